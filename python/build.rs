@@ -1,4 +1,5 @@
-//! Linker options for macOS, where the symbols of Python are resolved when the module is loaded.
+//! Sets linker options for macOS, where the symbols of Python are resolved when the module is
+//! loaded.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

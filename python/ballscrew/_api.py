@@ -157,7 +157,7 @@ INPUTS: Mapping[str, Quantity] = _first_of_each(itertools.chain(
 ))
 """All inputs by name: first the numbers, then texts, lists and flags."""
 
-# If an analysis repeats an output of the solution, the entry describes the output of the solution.
+# If an output of the solution is also an output of an analysis, the entry describes the output of the solution.
 OUTPUTS: Mapping[str, Quantity] = _first_of_each(
     Quantity(name, unit, about, kind=kind, values=tuple(values), analysis=analysis)
     for name, unit, about, kind, values, analysis in _core.outputs()
@@ -370,7 +370,7 @@ class TextColumn:
         self._found: tuple[NDArray[np.int8], tuple[str, ...]] | None = None
 
     def _get(self) -> tuple[NDArray[np.int8], tuple[str, ...]]:
-        """Load the texts on first access, because most users do not need them."""
+        """Load the texts when they are first used, because most users do not need them."""
         if self._found is None:
             import numpy as np
 
@@ -419,7 +419,7 @@ def _text_column(codes: NDArray[np.int8], categories: Sequence[str]) -> TextColu
 
 
 class AxisColumn:
-    """Axis of a grid as a column with repeated values. Each value is stored only once."""
+    """Column with the repeated values of a grid axis. Each value is stored only once."""
 
     __slots__ = ("_each", "_times", "_values")
 
@@ -716,7 +716,7 @@ def _thawed(kind: type[Table], state: Mapping[str, Any]) -> Table:
 
 
 class Grid(Table):
-    """Table of a full grid. The first columns are the axes. The last axis varies fastest."""
+    """Table with one row per point of a grid. The first columns contain the axes. The last axis varies fastest."""
 
     def __init__(
         self,
@@ -805,7 +805,7 @@ class Nuts(Table):
         super().__init__(columns, units, length)
         self._nuts = nuts
         self.warnings = list(warnings)
-        # Indices of the rows in the compiled module, if this table contains only selected rows.
+        # If this table contains only selected rows, indices of these rows in the compiled module.
         self._places = places
 
     if TYPE_CHECKING:
@@ -940,12 +940,12 @@ class Report(Section):
 
 
 class NotGiven(NamedTuple):
-    """A missing input that was taken as zero or absent in the calculation of a number.
+    """A missing input that a calculation treated as zero, or whose effect it omitted.
 
     Attributes
     ----------
     number : str
-        Name of the number.
+        Name of the calculated number.
     text : str
         The missing input, and how the calculation treats it.
     """
@@ -986,7 +986,7 @@ class MotionReport(Report):
 
     @property
     def verdicts(self) -> dict[str, bool]:
-        """Yes-or-no results of the analysis, by name, such as `jams`."""
+        """Boolean results of the analysis, by name, such as `jams`."""
         return {name: verdict["answer"] for name, verdict in self.get("verdicts", {}).items()}
 
     @property
@@ -1076,19 +1076,19 @@ class EllipsesReport(MotionReport):
 
 
 class ModelOptimum(ModelOptimumFields, Section):
-    """Contact angle at which a model has the highest efficiency."""
+    """Contact angle at which the efficiency of a model is highest."""
 
     __slots__ = ()
 
 
 class OptimumReport(OptimumFields, Report):
-    """Angles of maximum efficiency, and limits of self-locking."""
+    """Angles of maximum efficiency, and self-locking limits."""
 
     __slots__ = ()
 
     @property
     def by_model(self) -> ModelOptimum | None:
-        """Contact angle at which the requested model has the highest efficiency."""
+        """Contact angle at which the efficiency of the requested model is highest."""
         return ModelOptimum(self["by_model"]) if "by_model" in self else None
 
 
@@ -1116,19 +1116,19 @@ class RatingsReport(RatingsFields, Report):
 
 
 class SampleReport(Report):
-    """Quantiles of the results of nuts with random ball diameters."""
+    """Quantiles of the results for nuts with random ball diameters."""
 
     __slots__ = ()
 
     @property
     def carried(self) -> int:
-        """Number of nuts with an equilibrium."""
+        """Number of random nuts that have an equilibrium."""
         carried: int = self["carried"]
         return carried
 
     @property
     def failed(self) -> int:
-        """Number of nuts without an equilibrium."""
+        """Number of random nuts that have no equilibrium."""
         failed: int = self["failed"]
         return failed
 
@@ -1179,12 +1179,12 @@ class NutReport(NutFields, Report):
 
     @property
     def not_given(self) -> list[NotGiven]:
-        """Missing inputs that were taken as zero or absent."""
+        """Missing inputs that the calculation treated as zero, or whose effects it omitted."""
         return _not_given(self)
 
 
 class Rule(NamedTuple):
-    """A rule that the program checks for an axis.
+    """A rule for an axis and the result of its check.
 
     Attributes
     ----------
@@ -1223,7 +1223,7 @@ class Rule(NamedTuple):
 
 
 class AxisScrew(ScrewFields, Section):
-    """Data of the screw that were used to calculate an axis."""
+    """Data of the screw from which the results for an axis were calculated."""
 
     __slots__ = ()
 
@@ -1235,7 +1235,7 @@ class Phase(PhaseFields, Section):
 
 
 class AxisReport(AxisFields, Report):
-    """Results for an axis, with rules and the phases of the cycle. `found` is true if no rule fails."""
+    """Results for an axis, with its rules and the phases of its load cycle. `found` is true if no rule fails."""
 
     __slots__ = ()
 
@@ -1260,17 +1260,17 @@ class AxisReport(AxisFields, Report):
 
     @property
     def screw(self) -> AxisScrew:
-        """Data of the screw that were used to calculate the axis."""
+        """Data of the screw from which the results for the axis were calculated."""
         return AxisScrew(self["screw"])
 
     @property
     def case(self) -> Case:
-        """The case from which the axis was calculated."""
+        """The case from which the results for the axis were calculated."""
         return Case(self["inputs"])
 
     @property
     def not_given(self) -> list[NotGiven]:
-        """Missing inputs that were taken as zero or absent."""
+        """Missing inputs that the calculation treated as zero, or whose effects it omitted."""
         return _not_given(self)
 
     @property
@@ -1305,7 +1305,7 @@ class Step(NamedTuple):
 
 
 class SelectReport(Report):
-    """Result of a selection.
+    """Result of the selection of a screw.
 
     If no screw meets the requirement, `found` is false, and `reasons` lists the violated limits.
     """
@@ -1330,7 +1330,7 @@ class SelectReport(Report):
 
 
 class FitReport(Report):
-    """Values of an input that reproduce a measured output or bring a rule to its limit."""
+    """Values of an input at which an output has its measured value or a rule reaches its limit."""
 
     __slots__ = ()
 
@@ -1378,7 +1378,7 @@ class CalibrationReport(Report):
 
     @property
     def message(self) -> str | None:
-        """Reason why the points do not determine the inputs."""
+        """Reason why the measured points do not determine the inputs."""
         message: str | None = self.get("message")
         return message
 
@@ -1423,7 +1423,7 @@ _SOLVER: Mapping[str, Any] = {
 
 
 class Question(Inputs, Solver, total=False):
-    """Inputs that replace inputs of the case, and solver settings."""
+    """Inputs that replace inputs of a case, and solver settings."""
 
 
 class Linspace(NamedTuple):
@@ -1464,7 +1464,7 @@ def normal(mean: float, deviation: float) -> Normal:
 
 
 def _laws(draw: Mapping[str, Uniform | Normal]) -> list[tuple[str, Uniform | Normal]]:
-    """Return the drawn inputs with their distributions."""
+    """Return the random inputs with their distributions."""
     for name, law in draw.items():
         if not isinstance(law, (Uniform, Normal)):
             raise InputError(f"`{name}` is {law!r}; give uniform(low, high) or normal(mean, deviation)", key=name)
@@ -1528,7 +1528,7 @@ def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[tuple[str, Lin
 
 
 def _taken(keywords: dict[str, Any]) -> _core.How:
-    """Remove the solver settings from keywords, and return them."""
+    """Remove the solver settings from a dict of keywords, and return these settings."""
     take = keywords.pop
     return cast("_core.How", tuple([take(name, default) for name, default in _SOLVER.items()]))
 
@@ -1575,7 +1575,7 @@ def _case(case: Point, inputs: Inputs) -> Case:
 
 
 def _asked(case: Point, question: Question) -> tuple[Case, _core.How]:
-    """Separate keywords into inputs and solver settings. Return the case with the inputs, and the settings."""
+    """Separate keywords into inputs and solver settings. Return the case with these inputs, and the settings."""
     given: dict[str, Any] = {**question}
     how = _checked(_taken(given))
     for name in given:
@@ -1813,7 +1813,7 @@ def solve_many(
 
 
 def _kept(values: Any) -> _core.KeptColumn:
-    """Convert a column of `keep` for the compiled module. Numbers and times keep their types; other values become text.
+    """Convert a copied column for the compiled module. Numbers and times keep their types; other values become text.
     """
     import numpy as np
 
@@ -2197,7 +2197,7 @@ def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack
 
 
 def optimum(case: Point = None, /, *, model: Model | None = None, **inputs: Unpack[Inputs]) -> OptimumReport:
-    """Calculate the angles of maximum efficiency and the limits of self-locking, like `bsm solve --show optimum`.
+    """Calculate the angles of maximum efficiency and the self-locking limits, like `bsm solve --show optimum`.
 
     Parameters
     ----------
@@ -2234,7 +2234,7 @@ def axis(
     figures: str | os.PathLike[str] | None = None,
     **question: Unpack[Question],
 ) -> AxisReport:
-    """Calculate a feed axis, like `bsm axis`: rules with limits and margins, torque, power, heat and life.
+    """Analyze a feed axis, like `bsm axis`: rules with limits and margins, torque, power, heat and life.
 
     Parameters
     ----------
@@ -2279,7 +2279,7 @@ def select_nuts(
     descending: bool = False,
     first: int | None = None,
 ) -> Nuts:
-    """List nuts of manufacturers' sizes, of standard sizes or from a table, like `bsm select --from`.
+    """List nuts with manufacturers' sizes, with standard sizes or from a table, like `bsm select --from`.
 
     Parameters
     ----------
@@ -2398,7 +2398,7 @@ def fit(
     errors: Literal["relative", "absolute"] | None = None,
     **solver: Unpack[Solver],
 ) -> FitReport | CalibrationReport:
-    """Find inputs at which an output has a measured value, or at which a rule reaches its limit, like `bsm fit`.
+    """Find input values at which an output has a measured value or a rule reaches its limit, like `bsm fit`.
 
     Parameters
     ----------
@@ -2528,7 +2528,7 @@ def select(
     requirement : mapping or path, optional
         Inputs of a case and keys of `REQUIREMENTS`, or the path of a file that contains them.
     free : bool
-        If true, sizes and contact angle vary continuously.
+        If true, the dimensions and the contact angle vary continuously.
     lists : mapping or "manufacturers" or "standard", optional
         Sizes from which the screw is chosen. Defaults to the sizes of manufacturers.
     **changes
@@ -2622,7 +2622,7 @@ def _listed(names: Sequence[str], rows: Sequence[Sequence[Any]], units: Mapping[
 
 
 def _answered(rows: _core.Rows, inputs: Mapping[str, Any]) -> Table:
-    """Create the table of inputs and results of solved rows."""
+    """Create a table of solved rows with their inputs and results."""
     import numpy as np
 
     columns: dict[str, Any] = dict(inputs)
@@ -2645,7 +2645,7 @@ def _texts(places: Floats, values: Sequence[str]) -> TextColumn:
 
 
 def _number(name: str, value: Any) -> float:
-    """Return a number in the unit at the end of its name."""
+    """Return the value of an input as a number in the unit at the end of the input's name."""
     if hasattr(value, "magnitude") and hasattr(value, "to"):
         value = _converted(name, value)
     if isinstance(value, (bool, str)):
@@ -2734,7 +2734,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _shown(progress: bool | Progress | None) -> Progress | None:
-    """Return the function that is called with the number of finished rows."""
+    """Return the progress function, which is called with the number of finished rows."""
     if progress is True:
         import sys
 

@@ -1,4 +1,4 @@
-"""Plans of large tables, which are solved in parts in any order and on any machine, and the state of their folders."""
+"""Solve large tables in parts, in any order and on any machine, and check the folders of these parts."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Summary(NamedTuple):
     skipped : int
         Number of parts that existed before the run.
     rows : int
-        Number of rows in these parts.
+        Number of rows in the requested parts.
     failed : int
         Number of rows without a result.
     """

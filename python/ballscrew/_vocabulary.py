@@ -34,7 +34,7 @@ def _property(read, place, type_, about, unit, unless=""):
 
 
 class CaseFields(_core.Case):
-    """Base class with a property for each input."""
+    """Base class of `Case`, with a property for each input."""
 
     __slots__ = ()
 
@@ -49,7 +49,7 @@ for _name, _about, *_ in _core.case_choices():
 
 
 class SolutionFields(_core.Solution):
-    """Base class with a property for each output. An output that the model does not calculate is NaN."""
+    """Base class of `Solution`, with a property for each output. An output that the model does not calculate is NaN."""
 
     __slots__ = ()
 

@@ -118,7 +118,7 @@ def heatmap(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
 def pareto(
     nuts: Table, x: str = "nut_mass_kg", y: str = "dynamic_load_rating_N", *, ax: Axes | None = None
 ) -> Axes:
-    """Draw a point for each nut of a catalog, and a line through the nuts that are Pareto-optimal in both quantities.
+    """Draw a point for each nut of a catalog, and a line through the nuts that are Pareto-optimal in `x` and `y`.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Overhead of the package over the Rust crates: `python python/benches/overhead.py [--check] [--write]`.
+"""Measure the overhead of the package over the Rust crates: `python python/benches/overhead.py [--check] [--write]`.
 
 All numbers are ratios measured in one run on one thread. `--check` fails if a number exceeds its target more than three
 times, and `--write` writes the table of `docs/evidence/python.md`.
@@ -45,7 +45,7 @@ ONE: list[Output] = ["efficiency"]
 
 
 class Row:
-    """A row of the table: label, value as text, target, and ratio of value to target."""
+    """A row of the table: label, value as text, target, and ratio of the value to the target."""
 
     def __init__(self, what: str, value: str, promised: str, times: float) -> None:
         self.what = what
@@ -55,7 +55,7 @@ class Row:
 
 
 def points(rows: int) -> dict[str, np.ndarray]:
-    """Return loads and speeds at which every model has a solution. They are the same in every run."""
+    """Return loads and speeds at which every model has a solution. These points are the same in every run."""
     draws = np.random.default_rng(2026)
     return {"axial_load_N": draws.uniform(2e3, 8e3, rows), "screw_speed_rpm": draws.uniform(100, 1500, rows)}
 
@@ -71,7 +71,7 @@ def alternating(*works: Callable[[], float]) -> list[float]:
 
 
 def timed(work: Callable[[], object]) -> Callable[[], float]:
-    """Return a function that measures the time of a call [s]. Freeing the result is included in the time."""
+    """Return a function that measures the time of one call [s]. Freeing the result is included in the time."""
 
     def run() -> float:
         start = time.perf_counter()
@@ -121,7 +121,7 @@ def fixed() -> list[Row]:
     table = bs.solve_many(given, SCREW, model="closed-form", columns=ONE, threads=1)
     assert table._rows is not None
     answers = alternating(timed(lambda: table._rows and (table._rows.statuses(), table._rows.models())))[0]
-    # The time of the batch is subtracted, because the batch also creates its columns.
+    # The time of the batch solver, which also creates its columns, is subtracted.
     bare_one, one, bare_four, four = alternating(
         batch(given, "closed-form", ONE), many(given, "closed-form", ONE),
         batch(given, "closed-form", FOUR), many(given, "closed-form", FOUR),
@@ -129,7 +129,7 @@ def fixed() -> list[Row]:
     column = 1e3 * ((four - one) - (bare_four - bare_one)) / 3.0
     return [
         Row("reading status and model of 1e6 rows", f"{1e3 * answers:.1f} ms", "<= 1 ms", 1e3 * answers),
-        # The difference of four noisy times is shown, but not checked.
+        # This difference is calculated from four noisy times, so it is shown but not checked.
         Row("each additional column of 1e6 rows", f"{column:+.2f} ms", "<= 0.1 ms", 0.0),
     ]
 

@@ -30,7 +30,7 @@ grid = bs.sweep(
 )
 print(grid, grid.grid("efficiency").shape)
 
-# %% Where the balls roll, the skid onset number is below one.
+# %% Find the points at which the balls roll. Their skid onset number is below one.
 rolls = grid.grid("onset_number") < 1.0
 print(f"the balls roll at {rolls.mean():.0%} of the points")
 
@@ -50,7 +50,7 @@ bs.plot.curves(
 )
 figure.savefig("efficiency_map.svg")
 
-# %% Write the torque as a table over load and speed, for a drive model.
+# %% Write the torque as a table of load and speed for a drive model.
 table = grid.to_pandas().pivot(index="axial_load_N", columns="screw_speed_rpm", values="ball_torque_Nm")
 table.to_csv("torque.csv")
 assert np.isfinite(table.to_numpy()).all()

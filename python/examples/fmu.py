@@ -51,7 +51,7 @@ class BallScrew(Fmi2Slave):  # type: ignore[misc, unused-ignore]
             self.register_variable(Real(name, causality=Fmi2Causality.output))
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Calculate one step. The motion of the balls is steady, so it depends only on the inputs."""
+        """Calculate one step. The motion of the balls is steady, so the outputs depend only on the current inputs."""
         speed = max(abs(self.screw_speed_rpm), SLOWEST) * (1.0 if self.screw_speed_rpm >= 0 else -1.0)
         answer = bs.solve(SCREW, screw_speed_rpm=speed, axial_load_N=max(self.axial_load_N, 1.0), check=False)
         if not answer.converged:

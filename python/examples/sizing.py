@@ -3,7 +3,7 @@
 The file runs as a script, and opens as a notebook in editors that support `# %%` cells.
 """
 
-# %% The requirements of the feed axis.
+# %% Describe the requirements for the feed axis.
 import ballscrew as bs
 
 requirement = {
@@ -25,11 +25,11 @@ assert design.found, design.reasons
 screw = design.case
 print(screw)
 
-# %% List nuts of the catalog that meet all limits. The lightest nut comes first.
+# %% List the catalog nuts that meet all limits. The lightest nut comes first.
 nuts = bs.select_nuts(requirement=requirement, sort="nut_mass_kg", first=5)
 print(nuts.to_pandas()[["screw_root_diameter_mm", "ball_diameter_mm", "dynamic_load_rating_N", "nut_mass_kg"]])
 
-# %% Calculate the feed axis. Each rule has a value and a limit.
+# %% Check the rules for the feed axis. Each rule has a value and a limit.
 axis = bs.axis(screw)
 for rule in axis.rules:
     print(rule.name, rule.value, rule.limit, rule.passes)

@@ -2,7 +2,7 @@
 # # First answer: how much torque does a screw need?
 #
 # A feed drive moves a load of 8 kN with a 40 x 20 mm screw at 1500 rpm. How much torque does the screw need, how much
-# of this torque is friction, and how reliable are these numbers?
+# of this torque is due to friction, and how reliable are these numbers?
 
 # %%
 import matplotlib.pyplot as plt

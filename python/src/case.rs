@@ -84,8 +84,8 @@ impl Case {
     }
 }
 
-/// Model, tolerance, accuracy, creep speed, controlling raceway, and location of the friction of a
-/// lubricant, as passed from Python.
+/// Solver settings as passed from Python: model, tolerance, accuracy, creep speed, controlling
+/// raceway, and where the friction of a lubricant is calculated.
 pub(crate) type Keywords = (String, f64, f64, f64, Option<String>, String);
 
 /// Checked solver settings, converted from Python.
@@ -101,7 +101,7 @@ impl<'py> FromPyObject<'_, 'py> for How {
     }
 }
 
-/// Converts settings to the tuple from which [`How`] is created.
+/// Converts settings to a tuple, which [`How`] can convert back.
 pub(crate) fn keywords(settings: Settings) -> Keywords {
     let Settings { model, tolerance, accuracy, creep, control, friction } = settings;
     let control = control.map(|raceway| raceway.name().to_owned());

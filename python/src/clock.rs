@@ -1,4 +1,5 @@
-//! Timings for `benches/overhead.py`, which measures the overhead of the Python functions.
+//! Measures computing times for `benches/overhead.py`, which compares them with the times of the
+//! Python functions.
 
 use std::hint::black_box;
 use std::num::NonZeroUsize;
@@ -14,8 +15,8 @@ use crate::errors::Result;
 use crate::points::table_of;
 use crate::table::NumberArray;
 
-/// Returns the time \[s\] in which the batch solver solves the rows on one thread and keeps all
-/// results in memory.
+/// Returns the time that the batch solver needs to solve the rows on one thread and to keep all
+/// results in memory \[s\].
 #[pyfunction]
 pub(crate) fn batch_seconds(
     py: Python<'_>,
@@ -40,7 +41,7 @@ pub(crate) fn batch_seconds(
     })
 }
 
-/// Returns the time \[s\] in which a model solves a case `times` times.
+/// Returns the time that a model needs to solve a case `times` times \[s\].
 #[pyfunction]
 pub(crate) fn solve_seconds(case: &Bound<'_, Case>, how: How, times: u64) -> Result<f64> {
     let case = &case.get().0;

@@ -1,4 +1,4 @@
-//! Conversion of errors to exceptions of the package.
+//! Converts errors of the program to exceptions of the package.
 
 use std::fmt::Display;
 use std::io;
@@ -17,7 +17,7 @@ use pyo3_arrow::error::PyArrowError;
 /// A Python exception. All errors of the program are converted to this type.
 pub(crate) struct Error(PyErr);
 
-/// Return type of the functions that Python calls.
+/// Return type of the functions that can be called from Python.
 pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl From<Error> for PyErr {
@@ -142,7 +142,7 @@ fn invalid(message: &str, about: &About<'_>, hint: &str) -> PyErr {
     })
 }
 
-/// Creates an exception of the package from the name of its class.
+/// Creates an exception whose class has the given name in the package.
 fn made(
     kind: &str,
     make: impl for<'py> FnOnce(Python<'py>, Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>>,

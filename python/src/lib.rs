@@ -29,13 +29,13 @@ use serde_json::Value;
 use crate::errors::{Error, Result};
 use crate::objects::Object;
 
-/// Returns name, unit, meaning, default and rule of every input.
+/// Returns the name, unit, meaning, default and rule of every input.
 #[pyfunction]
 fn inputs() -> Vec<(&'static str, &'static str, &'static str, Option<f64>, String)> {
     INPUTS.iter().map(|i| (i.name, i.unit, i.about, i.default, i.rule.describe())).collect()
 }
 
-/// Returns the input names that end with a unit other than the unit of the program.
+/// Returns the input names that end with a unit other than the default unit of the input.
 #[pyfunction]
 fn names_in_other_units() -> Vec<String> {
     let of_input = |name: &'static str| {
@@ -49,7 +49,7 @@ fn names_in_other_units() -> Vec<String> {
     INPUTS.iter().flat_map(|input| of_input(input.name)).collect()
 }
 
-/// Returns name, unit, meaning, JSON type, possible texts and analysis of every output.
+/// Returns the name, unit, meaning, JSON type, possible texts and analysis of every output.
 #[pyfunction]
 fn outputs() -> Vec<(
     &'static str,
@@ -66,8 +66,8 @@ fn outputs() -> Vec<(
     Output::all().map(row).collect()
 }
 
-/// Returns name, unit, meaning and JSON type of the numbers of an analysis or of a section of an
-/// answer (see [`bsm_case::table`]).
+/// Returns the name, unit, meaning and JSON type of each number in an analysis or in a section of
+/// an answer (see [`bsm_case::table`]).
 #[pyfunction]
 fn columns(table: &str) -> Result<Vec<(&'static str, &'static str, &'static str, &'static str)>> {
     let numbers = bsm_case::table(table).filter(|quantity| quantity.scope != Scope::Statement);
@@ -81,7 +81,7 @@ fn columns(table: &str) -> Result<Vec<(&'static str, &'static str, &'static str,
     Ok(columns)
 }
 
-/// Returns name, unit, meaning, default and rule of the keys of a requirement that are not inputs
+/// Returns the name, unit, meaning, default and rule of each requirement key that is not an input
 /// of a case.
 #[pyfunction]
 fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, String)> {
@@ -92,7 +92,7 @@ fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, Strin
     words.chain(REQUIREMENT_INPUTS.iter().map(number)).collect()
 }
 
-/// Returns name, meaning, JSON type and possible texts of the inputs that are not numbers.
+/// Returns the name, meaning, JSON type and possible texts of each input that is not a number.
 #[pyfunction]
 fn case_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
     let schema = input_schema();
@@ -141,8 +141,8 @@ mod _core {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        // Names of the models (`auto` first), of the raceways that can control the ball, and of the
-        // methods for calculating the friction of a lubricant film.
+        // These constants contain the names of the models (`auto` first), of the raceways that can
+        // control the ball, and of the methods for calculating the friction of a lubricant film.
         module.add("MODELS", ModelChoice::names().collect::<Vec<_>>())?;
         module.add("RACEWAYS", Control::ALL.map(Control::name))?;
         module.add("FRICTIONS", RacewayFriction::ALL.map(RacewayFriction::name))

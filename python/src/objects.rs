@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::errors::{Error, Result};
 
-/// A JSON value that becomes a Python object of the same structure.
+/// A JSON value that is converted to a Python object with the same structure.
 pub(crate) struct Object(pub(crate) Value);
 
 impl<'py> IntoPyObject<'py> for Object {
@@ -21,7 +21,7 @@ impl<'py> IntoPyObject<'py> for Object {
     }
 }
 
-/// Members of a JSON object, read from a Python dict in its order.
+/// Members of a JSON object, read from a Python dict in the order of the dict.
 pub(crate) struct Entries(pub(crate) Vec<(String, Value)>);
 
 impl<'py> FromPyObject<'_, 'py> for Entries {

@@ -1,4 +1,4 @@
-//! Folders of parts: plans, their parts, and the state of a folder.
+//! Datasets that are solved in parts: their plans, the parts, and the state of a folder.
 
 use std::io;
 use std::num::{NonZeroU64, NonZeroUsize};
@@ -19,8 +19,9 @@ use crate::errors::{Error, Result};
 use crate::points::{AxisRange, Law, draws_of, format_of, grid_of, selected, watched};
 use crate::table::Arrow;
 
-/// Creates a temporary file, which is removed as soon as its owner is dropped. Python may interrupt
-/// a run and continue, so files must not remain until the end of the process.
+/// Creates a temporary file, which is removed when its owner is dropped. The removal must not wait
+/// for the end of the process, because a Python process may continue after a run has been
+/// interrupted.
 fn make(file: &mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
     file()
 }
@@ -30,8 +31,8 @@ fn planned(why: PlanError) -> Error {
     Error::from(format!("the plan: {why}"))
 }
 
-/// A part: number, first row, rows, failed rows, rows with several results, bytes before the
-/// footer, and the hash of these bytes.
+/// Data of a part: its number, first row, numbers of rows, of failed rows and of rows with several
+/// results, number of bytes before the footer, and hash of these bytes.
 type RowReport = (u64, u64, u64, u64, u64, u64, String);
 
 fn told(part: &Part) -> RowReport {
@@ -39,10 +40,11 @@ fn told(part: &Part) -> RowReport {
     (number, first_row, rows, failed, several, data_bytes, data_sha256)
 }
 
-/// State of a folder: parts, missing ranges, damaged files with the reason, and foreign files.
+/// State of a folder: its parts, ranges of missing parts, damaged files with the reason, and files
+/// that do not belong to the plan.
 type Survey = (Vec<RowReport>, Vec<(u64, u64)>, Vec<(PathBuf, String)>, Vec<PathBuf>);
 
-/// Random points: seed, number, and distributions of the inputs.
+/// Random points: the seed, the number of points, and the distributions of the inputs.
 type Random = (u64, u64, Vec<(String, Law)>);
 
 /// The plan of a dataset.
@@ -53,8 +55,8 @@ pub(crate) struct PyPlan(Plan);
 // underscore are private.
 #[pymethods]
 impl PyPlan {
-    /// * `axes`, `random`, `table`: exactly one source of points: axes of a grid, random points, or
-    ///   a table with columns to copy.
+    /// * `axes`, `random`, `table`: source of the points, exactly one of which is given: the axes
+    ///   of a grid, random points, or a table with columns to copy.
     #[staticmethod]
     #[pyo3(name = "_of")]
     #[expect(clippy::too_many_arguments, reason = "the arguments are keywords in Python")]
@@ -85,7 +87,7 @@ impl PyPlan {
             let grid = grid_of(axes)?;
             (of_grid(&grid)?, Points::Grid(grid))
         };
-        // A table is read completely to calculate its hash.
+        // To calculate the hash of a table, the whole table is read.
         let plan = watched(py, false, 0, Some(NonZeroUsize::MIN), None, |stop, _| {
             let workers = Workers::start(Some(NonZeroUsize::MIN), stop);
             let workers = workers.map_err(DatasetError::Thread)?;
@@ -142,16 +144,16 @@ impl PyPlan {
         self.0.rows_per_part()
     }
 
-    /// Returns the estimated computing time on one core \[s\], and an upper bound of the size
-    /// \[B\].
+    /// Returns the estimated computing time on one core \[s\], and an upper bound of the size of
+    /// all parts \[B\].
     #[pyo3(name = "_cost")]
     fn cost(&self) -> Result<(f64, f64)> {
         let estimate = self.0.estimate().map_err(planned)?;
         Ok((estimate.core_seconds, estimate.bytes))
     }
 
-    /// Solves parts into a folder, which is created if necessary. Returns the parts, and the
-    /// numbers of the parts that existed before.
+    /// Solves parts into a folder, which is created if necessary. Returns the data of the parts,
+    /// and the numbers of the parts that existed before.
     ///
     /// * `numbers`: numbers of the parts in ascending order. `None` solves all parts and then
     ///   writes the list of parts.
@@ -221,8 +223,8 @@ impl PyPlan {
         Ok(Arrow { schema, batches })
     }
 
-    /// Returns the state of a folder: parts, missing ranges, damaged files with the reason, and
-    /// foreign files.
+    /// Returns the state of a folder: its parts, ranges of missing parts, damaged files with the
+    /// reason, and files that do not belong to the plan.
     ///
     /// * `finish`: true to write the list of parts if all parts exist.
     #[pyo3(name = "_survey")]

@@ -27,10 +27,10 @@ use crate::case::{Case, How};
 use crate::errors::{Error, Result};
 use crate::table::{KeptColumn, NumberArray, shared};
 
-/// Interval at which the calling thread checks for signals and shows the progress.
+/// Interval at which the calling thread checks for signals and updates the progress.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Source of the rows of a table in memory.
+/// A row source that reads the rows of a table in memory.
 #[derive(Clone)]
 pub(crate) struct Memory {
     columns: Columns,
@@ -67,7 +67,7 @@ impl Source for Memory {
     }
 }
 
-/// Source of the input rows. The rows can be read from it more than once.
+/// Origin of the input rows, from which the rows can be read more than once.
 #[derive(Clone)]
 enum Origin {
     Grid(Grid),
@@ -93,7 +93,7 @@ pub(crate) struct Rows {
     columns: Vec<ScalarBuffer<f64>>,
 }
 
-/// A column of texts: the index of the text for each row, and the list of texts.
+/// A column of texts: for each row, the index of its text, and the list of all texts.
 type Words = (PyArrowBuffer, Vec<&'static str>);
 
 #[pymethods]
@@ -102,7 +102,7 @@ impl Rows {
         self.verdicts.len()
     }
 
-    /// Returns the input names of the columns, as they are spelled in the table.
+    /// Returns the names of the input columns, spelled as in the table.
     fn inputs(&self) -> Vec<String> {
         match &self.origin {
             Origin::Grid(_) => Vec::new(),
@@ -110,7 +110,7 @@ impl Rows {
         }
     }
 
-    /// Returns the model of each row as an index, together with the list of model names.
+    /// Returns for each row the index of the model, together with the list of model names.
     fn models(&self) -> Words {
         let names: Vec<_> = ModelChoice::names().collect();
         let place = |verdict: &Verdict| match verdict.model {
@@ -120,13 +120,14 @@ impl Rows {
         (codes(self.verdicts.iter().map(place).collect()), names)
     }
 
-    /// Returns the status of each row as an index, together with the list of status names.
+    /// Returns for each row the index of the status, together with the list of status names.
     fn statuses(&self) -> Words {
         let names = Status::ALL.map(Status::name).to_vec();
         (codes(self.verdicts.iter().map(|verdict| verdict.status as u8).collect()), names)
     }
 
-    /// Returns the reasons why rows have no result, or why `auto` chose their model.
+    /// Returns the messages of rows: why a row has no result, or why `auto` chose the model of the
+    /// row.
     fn messages(&self) -> Vec<(usize, &str)> {
         self.messages.iter().map(|(row, text)| (*row, text.as_str())).collect()
     }
@@ -137,7 +138,8 @@ impl Rows {
         self.outputs.iter().zip(&self.columns).map(|(o, values)| (o.name, buffer(values))).collect()
     }
 
-    /// Writes the table in the same form as the program. The file extension determines the format.
+    /// Writes the table in the same form as the program does. The file extension determines the
+    /// format.
     fn write(&self, py: Python<'_>, path: PathBuf) -> Result<()> {
         let format = format_of(&path)?;
         Ok(py.detach(|| self.write_to(&path, format))?)
@@ -189,13 +191,13 @@ fn codes(places: Vec<u8>) -> PyArrowBuffer {
     PyArrowBuffer::new(Buffer::from_vec(places))
 }
 
-/// Returns the outputs with the given names, or all outputs of a solution.
+/// Returns the outputs with the given names. By default, returns all outputs of a solution.
 pub(crate) fn selected(names: Option<Vec<String>>) -> Result<Vec<&'static Output>> {
     Ok(Answers::select(names.as_deref())?)
 }
 
-/// Creates a table from numeric columns (name, values, and rows without a value) and copied
-/// columns.
+/// Creates a table from numeric columns and copied columns. Each numeric column has a name, values,
+/// and the indices of rows without a value.
 pub(crate) fn table_of(
     columns: Vec<(String, NumberArray, Vec<usize>)>,
     kept: Vec<(String, Py<KeptColumn>)>,
@@ -226,7 +228,8 @@ pub(crate) fn table_of(
 
 /// Solves rows whose inputs are given as columns, and keeps the results in memory.
 ///
-/// * `columns`: name and values of each column, and the rows in which it has no value.
+/// * `columns`: name and values of each column, and the indices of the rows in which the column has
+///   no value.
 /// * `kept`: columns that are copied to the results.
 /// * `progress`: function that is called with the number of finished rows and the total number of
 ///   rows.
@@ -295,7 +298,8 @@ pub(crate) fn draws_of(seed: u64, count: u64, of: Vec<(String, Law)>) -> Result<
     Draws::new(seed, count, of.into_iter().map(draw).collect::<Result<_, _>>()?)
 }
 
-/// Returns the values of each drawn input. The values are identical to those of `bsm sweep --draw`.
+/// Returns the values of each random input. The values are identical to the values of `bsm sweep
+/// --draw`.
 #[pyfunction]
 pub(crate) fn draws(
     seed: u64,
@@ -332,17 +336,18 @@ pub(crate) fn sweep(
     Ok((drive(py, &task, Origin::Grid(grid), len, (threads, progress, text))?, axes))
 }
 
-/// A set of threads, with the process id and the requested number of threads.
+/// A set of threads, with the id of its process and the requested number of threads.
 type ThreadSet = (u32, Option<NonZeroUsize>, Arc<Workers<'static>>);
 
-/// The sets of threads of this process, one for each requested number of threads. A forked process
-/// has none of the threads that its parent started.
+/// The sets of threads of this process, one set for each requested number of threads. A forked
+/// process does not inherit the threads of its parent.
 static HELD: Mutex<Vec<ThreadSet>> = Mutex::new(Vec::new());
 
-/// Stop flag of the worker threads, which is never set, because each run has its own flag.
+/// Stop flag of the worker threads, which is never set. Each run has its own stop flag.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
-/// Returns the set with the requested number of threads. The set is started on first use.
+/// Returns the set that has the requested number of threads. A set is started when it is first
+/// requested.
 fn workers(threads: Option<NonZeroUsize>) -> Result<Arc<Workers<'static>>> {
     let threads = threads.or_else(|| std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok());
     let process = std::process::id();
@@ -350,7 +355,7 @@ fn workers(threads: Option<NonZeroUsize>) -> Result<Arc<Workers<'static>>> {
     if let Some((.., workers)) = held.iter().find(|(p, t, _)| (*p, *t) == (process, threads)) {
         return Ok(workers.clone());
     }
-    // The threads of a parent process do not exist in this process and cannot be joined.
+    // After a fork, the threads of the parent process do not exist and cannot be joined.
     held.extract_if(.., |(p, ..)| *p != process).for_each(std::mem::forget);
     let workers = Arc::new(Workers::start(threads, &NEVER)?);
     held.push((process, threads, workers.clone()));
@@ -389,15 +394,15 @@ struct RowAnswers {
     /// Output columns. A column is `None` as long as no row has a value.
     columns: Vec<Option<Vec<f64>>>,
     len: usize,
-    /// True to keep also the messages of rows that have a result.
+    /// True to keep the messages of rows that have a result, too.
     text: bool,
 }
 
 impl RowAnswers {
     fn of(len: usize, outputs: usize, text: bool) -> Self {
-        // Requested outputs, and all outputs of a table with a single chunk, are written directly
-        // to their columns. If all outputs are requested for more rows, most outputs belong to
-        // other models, so only existing values are returned.
+        // Requested outputs are written directly to their columns, and so are all outputs of a
+        // table that fits into a single chunk. If all outputs are requested for a longer table,
+        // most of them belong to models that were not used, so only existing values are returned.
         let own = if len <= ROWS || outputs < OUTPUTS.len() { outputs } else { 0 };
         let Answers { verdicts, messages, columns } = Answers::room(len, own);
         let mut columns: Vec<_> = columns.into_iter().map(Some).collect();
@@ -430,8 +435,8 @@ impl RowAnswers {
             self.messages.extend(words.map(|(row, text)| (first + row, text)));
             for (place, row, values) in values {
                 let column = self.columns[place].get_or_insert_with(|| {
-                    // The operating system provides zeroed memory only when it is written, so
-                    // unused rows occupy no memory.
+                    // The operating system allocates zeroed memory only when it is first written,
+                    // so unused rows occupy no memory.
                     let mut column = vec![0.0; self.len];
                     column[..rows.end].fill(f64::NAN);
                     column
@@ -444,11 +449,11 @@ impl RowAnswers {
     }
 }
 
-/// Runs `work` on the threads, while the calling thread handles signals and shows progress. Quick
-/// work is done by the calling thread itself.
+/// Runs `work` on the worker threads, while the calling thread handles signals and shows the
+/// progress. Short work is done by the calling thread itself.
 ///
-/// * `work`: function that must end when its first argument becomes true, and that counts finished
-///   rows in its second argument.
+/// * `work`: function that must end when its first argument becomes true, and that counts the
+///   finished rows in its second argument.
 pub(crate) fn watched<R: Send, E: Send>(
     py: Python<'_>,
     quick: bool,
@@ -480,7 +485,7 @@ where
             loop {
                 match told.recv_timeout(LOOK) {
                     Ok(result) => break Ok(result),
-                    // The channel is disconnected, so the worker thread has panicked.
+                    // A disconnected channel means that the worker thread has panicked.
                     Err(RecvTimeoutError::Disconnected) => match running.join() {
                         Err(panic) => resume_unwind(panic),
                         Ok(()) => break Err(io::Error::other("the threads returned no result")),

@@ -1,5 +1,4 @@
-//! Functions that return reports. The entries of a report have the names of the program's JSON
-//! output.
+//! Functions that return reports. The names in a report are the names of the program's JSON output.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -35,8 +34,8 @@ fn told(answer: &Answer) -> Report {
     (Object(answer.to_json()), !answer.fails, answer.warnings.clone())
 }
 
-/// Runs `work` on the threads of this process. Threads of rayon must not be used, because a forked
-/// process would wait for them forever.
+/// Runs `work` on the threads of this process. The global threads of Rayon must not be used,
+/// because a forked process would wait for them forever.
 fn on_threads<R: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<R, CaseError> + Send,
@@ -71,7 +70,7 @@ pub(crate) fn ellipses(
     })
 }
 
-/// Calculates an analysis of a solved motion.
+/// Runs an analysis of a solved motion.
 fn of_motion(
     py: Python<'_>,
     case: &Bound<'_, Case>,
@@ -138,14 +137,15 @@ pub(crate) fn nut(
 /// Names and units of the columns of a table.
 type NamesAndUnits = Vec<(&'static str, &'static str)>;
 
-/// Returns the columns of two tables of a nut: its balls and its load-displacement curve.
+/// Returns the names and units of the columns in two tables of a nut: the table of balls and the
+/// load-displacement curve.
 #[pyfunction]
 pub(crate) fn nut_columns() -> (NamesAndUnits, NamesAndUnits) {
     let named = |columns: Vec<&'static Output>| columns.iter().map(|c| (c.name, c.unit)).collect();
     (named(NutReport::ball_columns()), named(NutReport::curve_columns()))
 }
 
-/// Calculates quantiles of the results of nuts with random ball diameters.
+/// Calculates quantiles of the results for nuts with random ball diameters.
 #[pyfunction]
 pub(crate) fn nut_samples(
     py: Python<'_>,
@@ -163,22 +163,23 @@ pub(crate) fn nut_samples(
     })
 }
 
-/// Name of an input, and its search range in the unit of the name.
+/// An input to find: its name, and the search range in the unit of this name.
 type Sought = (String, Option<(f64, f64)>);
 
 fn fitted_input((name, range): Sought) -> FittedInput {
     FittedInput { name, range }
 }
 
-/// Condition that determines an input: name and value of a measured output, or the title of a rule
-/// that is at its limit.
+/// Condition that determines an input: either the name and value of a measured output, or the title
+/// of a rule that must be at its limit.
 #[derive(FromPyObject)]
 pub(crate) enum Target {
     Measured(String, f64),
     Limit(String),
 }
 
-/// Finds the values of an input from a measured output or from the limit of a rule.
+/// Finds the values of an input at which an output has its measured value or a rule is at its
+/// limit.
 #[pyfunction]
 pub(crate) fn fit(
     py: Python<'_>,
@@ -202,7 +203,7 @@ pub(crate) fn fit(
 /// Fits inputs to a table of measured points.
 ///
 /// * `measured`: name of the measured output.
-/// * `errors`: kind of measurement errors, relative or absolute.
+/// * `errors`: whether the errors of the measured values are relative or absolute.
 /// * `table`: measured points as CSV text.
 #[pyfunction]
 pub(crate) fn fit_table(
@@ -237,7 +238,7 @@ pub(crate) fn fit_table(
 
 /// Selects a screw for a requirement.
 ///
-/// * `free`: true to treat the sizes as continuous.
+/// * `free`: true to treat dimensions as continuous variables.
 /// * `lists`: see [`sizes`].
 #[pyfunction]
 pub(crate) fn select(
@@ -247,7 +248,7 @@ pub(crate) fn select(
     lists: Option<Lists>,
 ) -> Result<Report> {
     on_threads(py, || {
-        // A continuous search over all sizes uses standard ball diameters.
+        // A search over continuous dimensions uses standard ball diameters.
         let catalog = sizes(lists.or(free.then(|| Lists::Named("standard".to_owned()))))?;
         let lists = catalog.lists.clone();
         let requirement = RequirementFile::from_entries(requirement.0, &[], lists)?;
@@ -259,7 +260,7 @@ pub(crate) fn select(
 
 /// Finds the best contact angle and the self-locking limits.
 ///
-/// * `model`: model whose best contact angle is also searched, unless it is `auto`.
+/// * `model`: model for which the best contact angle is also searched, unless the model is `auto`.
 #[pyfunction]
 pub(crate) fn optimum(
     py: Python<'_>,
@@ -275,12 +276,12 @@ pub(crate) fn optimum(
     on_threads(py, || Ok(told(&over_grooves(case, DRAWS, answer)?)))
 }
 
-/// Files of a report: path in the folder of the report, and contents.
+/// Files of a report: the path within the folder of the report, and the contents.
 type Files = Vec<(String, String)>;
 
-/// Calculates a feed axis: rules, torque, heat and life.
+/// Analyzes a feed axis: rules, torque, heat and life.
 ///
-/// * `sheet`: true to create also the files of the axis sheet.
+/// * `sheet`: true to also create the files of the axis sheet.
 #[pyfunction]
 pub(crate) fn axis(
     py: Python<'_>,
@@ -300,7 +301,7 @@ pub(crate) fn axis(
 }
 
 /// Compares the program with published results. Returns the checks and, if requested, the files of
-/// their report.
+/// the report.
 ///
 /// * `data`: folder with published data. Defaults to the built-in data.
 #[pyfunction]
@@ -324,11 +325,12 @@ pub(crate) fn validate(
     watched(py, false, 0, None, None, |_, _| run())
 }
 
-/// Number of rows in memory while a table is written, as in the program.
+/// Number of rows that are held in memory while a table is written. The program uses the same
+/// number.
 const PART: usize = 1 << 14;
 
-/// Writes columns of a nut list, of the balls of a nut or of its load-displacement curve, in the
-/// format of the program.
+/// Writes the columns of a list of nuts, of the balls of a nut or of its load-displacement curve,
+/// in the format of the program.
 #[pyfunction]
 pub(crate) fn write_numbers(
     py: Python<'_>,
@@ -365,10 +367,10 @@ pub(crate) fn write_numbers(
     Ok(py.detach(write)?)
 }
 
-/// Name, unit and values of the columns of a table.
+/// Name, unit and values of each column in a table.
 type Table = Vec<(String, &'static str, PyArrowBuffer)>;
 
-/// Nuts of a list. Each nut can be converted to a case.
+/// Nuts in a list. Each nut can be converted to a case.
 #[pyclass(frozen, module = "ballscrew._core")]
 pub(crate) struct Nuts(Box<dyn Fn(usize) -> Option<Value> + Send + Sync>);
 
@@ -381,7 +383,8 @@ impl Nuts {
     }
 }
 
-/// Sizes to choose from: `manufacturers`, `standard`, or lists.
+/// Sizes to choose from: the built-in list `manufacturers` or `standard`, or lists given by the
+/// user.
 pub(crate) enum Lists {
     Named(String),
     Given(Entries),
@@ -428,12 +431,12 @@ fn requirement_of(
 type ManufacturerTable =
     (Table, Vec<String>, Vec<Option<bool>>, Vec<Option<String>>, Vec<String>, Nuts);
 
-/// Compares the nuts of a manufacturer's table with the calculation. Returns numeric columns, the
-/// names of the nuts, whether each nut passes the rules of a requirement (`None` if undecided), how
-/// its groove is known, warnings, and the nuts as cases.
+/// Compares the catalog data in a manufacturer's table with calculated values. Returns the numeric
+/// columns and, for each nut, its name, whether it passes the rules of a requirement (`None` if
+/// undecided), and how its groove was determined. Also returns warnings, and the nuts as cases.
 ///
 /// * `table`: manufacturer's table as CSV text.
-/// * `names`: map from the column names of the table to names of the program.
+/// * `names`: map from the column names of the table to the names of the program.
 /// * `requirement`: requirement that the nuts must meet.
 #[pyfunction]
 pub(crate) fn manufacturers(
@@ -463,7 +466,7 @@ pub(crate) fn manufacturers(
     Ok((columns, names, passes, grooves, warnings, nuts))
 }
 
-/// Returns name, unit and values of each column of a list of nuts.
+/// Returns the name, unit and values of each column in a list of nuts.
 ///
 /// * `lists`: see [`sizes`].
 /// * `requirement`: requirement that the nuts must meet.

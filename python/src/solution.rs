@@ -34,8 +34,8 @@ pub(crate) struct Solution {
     solved: bsm_case::Case,
     settings: Settings,
     record: Record,
-    /// Torque of the whole screw, calculated on first access, or the message that explains why it
-    /// cannot be calculated.
+    /// Torque of the whole screw, calculated on first access. If it cannot be calculated, this is
+    /// the message that explains why.
     screw_torque: OnceLock<Result<f64, String>>,
 }
 
@@ -121,7 +121,7 @@ impl Solution {
         OUTPUTS.get(place)?.word(self.number(place))
     }
 
-    /// Returns the torque of the whole screw \[N·m\], or NaN if the model calculates none.
+    /// Returns the torque of the whole screw \[N·m\], or NaN if the model calculates no torque.
     fn screw_torque(&self, py: Python<'_>) -> Result<f64> {
         let solve =
             || match torque_parts(&self.solved, &self.settings, &mut ModelWorkspace::default()) {
@@ -164,12 +164,12 @@ impl Solution {
     }
 }
 
-/// Sensitivity to an input: name, value, derivatives of efficiency and torque, and both relative
-/// derivatives \[%/%\].
+/// Sensitivity to an input: its name and value, the derivatives of efficiency and torque, and both
+/// relative derivatives \[%/%\].
 type Slopes = (&'static str, f64, f64, Option<f64>, Option<f64>, Option<f64>);
 
 /// Returns the derivatives of efficiency and torque with respect to every input of the model, or
-/// `None` without a solution.
+/// `None` if there is no solution.
 #[pyfunction]
 pub(crate) fn sensitivities(case: &Bound<'_, Case>, how: How) -> Result<Option<Vec<Slopes>>> {
     let inputs = Sensitivities::of(&case.get().with_groove()?, &how.0)?;
@@ -185,7 +185,7 @@ pub(crate) fn sensitivities(case: &Bound<'_, Case>, how: How) -> Result<Option<V
 const SET_BY_OTHERS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loaded_balls];
 
 /// Returns the values of an output at many points, and its derivatives with respect to each input
-/// of `wrt`, point by point. They are NaN at a point without a solution.
+/// in `wrt`, point by point. At a point without a solution, the value and the derivatives are NaN.
 ///
 /// * `columns`: name of each column, and its value at each point.
 /// * `torque`: true for the screw torque, false for the efficiency.

@@ -1,4 +1,4 @@
-//! Table columns whose memory Python and Arrow share.
+//! Table columns whose memory is shared between Python, Arrow and this module.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ use serde_json::Value;
 
 use crate::errors::{Error, Result};
 
-/// An array of numbers from Python, which is read without a copy.
+/// An array of numbers from Python, which is read without copying.
 #[derive(Clone)]
 pub(crate) struct NumberArray(pub(crate) ScalarBuffer<f64>);
 
@@ -37,7 +37,7 @@ impl<'py> FromPyObject<'_, 'py> for NumberArray {
     }
 }
 
-/// Converts numbers to a buffer that Python uses without a copy.
+/// Converts numbers to a buffer that Python can use without copying.
 pub(crate) fn shared(values: Vec<f64>) -> PyArrowBuffer {
     PyArrowBuffer::new(Buffer::from_vec(values))
 }
@@ -75,7 +75,7 @@ fn stream(
 ) -> PyResult<Bound<'_, PyCapsule>> {
     let batches = RecordBatchIterator::new(batches.into_iter().map(Ok), schema);
     // The classes of pyo3-arrow are not used, because their methods would make up a quarter of the
-    // module.
+    // compiled module.
     let stream = FFI_ArrowArrayStream::new(Box::new(batches));
     PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
 }
@@ -84,7 +84,7 @@ fn stream(
 #[pyclass(frozen, module = "ballscrew._core")]
 pub(crate) struct KeptColumn(pub(crate) ArrayRef);
 
-/// Values for NumPy, either as a typed buffer or one by one.
+/// Values of a column for NumPy: either a typed buffer or a list of single values.
 #[derive(IntoPyObject)]
 pub(crate) enum Values {
     Typed(PyArrowBuffer, &'static str),
@@ -99,7 +99,7 @@ impl KeptColumn {
         Self(Arc::new(StringArray::from(texts)))
     }
 
-    /// Creates a column from values of NumPy and the name of their type.
+    /// Creates a column from NumPy values and the name of their type.
     #[staticmethod]
     fn of_numbers(values: &Bound<'_, PyAny>, kind: &str) -> Result<Self> {
         let values = buffer(values)?;
@@ -202,7 +202,7 @@ pub(crate) enum Read {
     Kept(KeptColumn),
 }
 
-/// Reads the columns of any object that exports an Arrow stream. Numbers become doubles.
+/// Reads the columns of any object that exports an Arrow stream. Numbers are converted to doubles.
 ///
 /// * `kept`: names of the columns that are copied.
 #[pyfunction]
@@ -247,11 +247,11 @@ pub(crate) fn read_arrow(frame: AnyRecordBatch, kept: Vec<String>) -> Result<Vec
     schema.fields().iter().enumerate().map(column).collect()
 }
 
-/// Exports a table as an Arrow stream in the capsule of `__arrow_c_stream__`. Each column has name,
-/// unit, kind, values and texts. NaN becomes null.
+/// Exports a table as an Arrow stream in the capsule of `__arrow_c_stream__`. Each column has a
+/// name, a unit, a kind, values and texts. NaN becomes null.
 ///
-/// The kinds are `numbers`, `flags` (numbers that are 0 or 1), `words` (indices of texts, negative
-/// if missing), `texts` and `kept`.
+/// The kinds are `numbers`, `flags` (numbers that are 0 or 1), `words` (indices of texts; a
+/// negative index means that the text is missing), `texts` and `kept`.
 #[pyfunction]
 pub(crate) fn to_arrow<'py>(
     py: Python<'py>,
@@ -292,7 +292,7 @@ pub(crate) fn to_arrow<'py>(
     Ok(stream(py, schema, vec![batch])?)
 }
 
-/// Returns the memory of a NumPy array without a copy.
+/// Returns the memory of a NumPy array without copying it.
 fn buffer(array: &Bound<'_, PyAny>) -> Result<Buffer> {
     Ok(array.extract::<AnyBufferProtocol>()?.into_arrow_buffer()?)
 }

@@ -1,4 +1,4 @@
-"""An independent calculation of a feed axis with a catalog screw, against which the program is compared.
+"""An independent calculation for a feed axis with a catalog screw, with which the program is compared.
 
 It shares no code with the program. It works on the names and units of a case, follows `docs/theory/18-axis.md` and
 `docs/theory/19-warm-state.md`, and integrates a cycle numerically between the points where a speed, a force or a torque
@@ -25,7 +25,7 @@ STEFAN_BOLTZMANN = 5.670374419e-8
 CORE_STRESS = 147e6
 EFFICIENCY = {"driving": 0.9, "back-driving": 0.8}
 
-# For each support: root of the lowest bending frequency (Z1), buckling factor (Z2), and number of axially fixed bearings.
+# For each support: root for the lowest bending frequency (Z1), buckling factor (Z2), number of axially fixed bearings.
 WHIRL = {"fixed-free": 1.8751040687119611, "supported-supported": math.pi, "fixed-supported": 3.9266023120479185,
          "fixed-fixed": 4.730040744862704}
 BUCKLING = {"fixed-free": 0.25, "supported-supported": 1.0, "fixed-supported": 4.493409457909064**2 / math.pi**2, "fixed-fixed": 4.0}
@@ -35,7 +35,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 @dataclass(frozen=True)
 class Piece:
-    """A part of the cycle in which the speed changes linearly with time and the process force changes linearly."""
+    """A part of the cycle in which the speed and the process force change linearly with time."""
 
     time: float
     feeds: tuple[float, float]
@@ -54,12 +54,12 @@ class Piece:
         return self.feeds[0] + u * (self.feeds[1] - self.feeds[0])
 
     def force(self, u: float) -> float:
-        """Return the process force at the fraction u of the duration. Only pieces of constant speed have two forces."""
+        """Return the process force after the fraction u of the duration. It varies only if the speed is constant."""
         return self.forces[0] + u * (self.forces[1] - self.forces[0])
 
 
 def ramps(entry: dict[str, Any], default_load_factor: float) -> list[Piece]:
-    """Return the pieces of one entry of a cycle."""
+    """Return the pieces into which a cycle entry is divided."""
     force = entry.get("force_N", 0.0)
     factor = entry.get("load_factor", default_load_factor)
     forces = (force, entry.get("end_force_N", force))
@@ -101,7 +101,7 @@ def ramps(entry: dict[str, Any], default_load_factor: float) -> list[Piece]:
         return [piece(time, start, end)]
     feed = entry["feed_m_min"] / 60
     if acceleration := entry.get("acceleration_m_s2", 0.0):
-        # The given feed rate is the feed rate at the faster end of the ramp.
+        # The given feed rate applies to the faster end of the ramp.
         other = feed - acceleration * time * math.copysign(1.0, acceleration * feed)
         return [piece(time, other, feed) if acceleration * feed > 0 else piece(time, feed, other)]
     return [piece(time, feed, feed)]
@@ -125,7 +125,7 @@ def roots(function: Callable[[float], float]) -> list[float]:
 
 
 class Axis:
-    """Calculation of an axis with a catalog screw. Internal values have SI units; results have the units in their names."""
+    """Calculation for an axis with a catalog screw. Internal values have SI units, results the units in their names."""
 
     def __init__(self, case: dict[str, Any]) -> None:
         self.case = case
@@ -160,10 +160,10 @@ class Axis:
         self.per_motor = number("screws_per_motor", 1.0)
         self.time = sum(piece.time for piece in self.pieces)
 
-    # Loads and torques of a piece at the fraction u of its duration.
+    # Loads and torques after the fraction u of the duration of a piece.
 
     def load(self, piece: Piece, u: float) -> float:
-        """Return the axial load of the most loaded screw. The guides oppose the motion."""
+        """Return the axial load of the screw with the highest load. The guides oppose the motion."""
         sign = math.copysign(1.0, piece.feeds[0] + piece.feeds[1])
         inertia = self.share * (self.mass + self.counterweight) * piece.acceleration
         return self.share * piece.force(u) + self.weight - self.balance + sign * self.guides + inertia
@@ -288,7 +288,7 @@ class Axis:
             )
         )
 
-        # Life and safety.
+        # Life and static safety.
         dynamic, static = float(case["rated_dynamic_load_N"]), float(case["rated_static_load_N"])
         equivalent = self.equivalent_loads()
         found["equivalent_load_N"] = max(equivalent)
@@ -305,7 +305,7 @@ class Axis:
         found["modified_dynamic_rating_N"] = dynamic
         found["modified_static_rating_N"] = static
 
-        # The screw between its bearings.
+        # Critical speed and buckling of the screw between its bearings.
         area, bending = math.pi / 4 * self.core**2, math.pi / 64 * self.core**4
         critical = WHIRL[self.support] ** 2 / self.length**2 * math.sqrt(YOUNG * bending / (DENSITY * area))
         found["critical_speed_rpm"] = critical / math.tau * 60
@@ -319,7 +319,7 @@ class Axis:
         found["yield_load_N"] = CORE_STRESS * area
         found["largest_speed_number_mm_min"] = self.pitch_circle * 1000 * fastest * 60
         found["screw_stiffness_N_um"] = YOUNG * area / self.length * (4 if self.support == "fixed-fixed" else 1) * 1e-6
-        # The torsion of a round bar, over half the length between two fixed bearings.
+        # Torsion of a round bar. If both bearings are fixed, only half the length between them counts.
         shear, polar = YOUNG / (2 * (1 + 0.3)), math.pi / 32 * self.core**4
         part = self.length * (0.5 if self.support == "fixed-fixed" else 1)
         found["torsional_stiffness_N_um"] = shear * polar / part / self.h**2 * 1e-6
@@ -376,7 +376,7 @@ class Axis:
         compression = max(0.0, -self.tension)
         found["buckling_safety"] = buckling / (largest + compression)
         if compression:
-            # The whole screw, with the end conditions for which it whirls.
+            # Compression lowers the critical speed. `whole` is the buckling load of the screw with its end supports.
             whole = BUCKLING[self.support] * math.pi**2 * YOUNG * bending / self.length**2
             lowered = math.sqrt(max(0.0, 1 - compression / whole))
             found["critical_speed_ratio"] = math.inf if lowered == 0 else found["critical_speed_ratio"] / lowered
@@ -393,7 +393,7 @@ class Axis:
             found["pretension_for_no_slack_K"] = found["steady_temperature_rise_K"]
         return found
 
-    # The thermal network of docs/theory/19-warm-state.md without balls as a node.
+    # Thermal network of docs/theory/19-warm-state.md, in which the balls are not a node.
 
     def film(self, diameter: float, speed: float) -> float:
         """Return the film coefficient of a rotating cylinder in still air with radiation (I9)."""

@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 
-# These files are only read by the type checker.
+# Only the type checker reads these files, so they are not collected as tests.
 collect_ignore = ["right_calls.py", "wrong_calls.py"]
 
 

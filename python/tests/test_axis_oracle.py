@@ -11,8 +11,8 @@ from axis_oracle import Axis
 
 import ballscrew as bs
 
-# Numbers that the oracle does not calculate: uncertainty bands, results that apply to a single moment, and results for
-# the fall of a vertical axis.
+# Numbers that the oracle does not calculate: uncertainty bands, results for a single moment of the cycle, and results
+# for a vertical axis that falls.
 ELSEWHERE = {
     "back_driving_torque_Nm",
     "back_driving_torque_high_Nm",
@@ -70,7 +70,7 @@ def drawn(random: np.random.Generator) -> dict[str, Any]:
     nut_length = 3 * diameter
     dynamic = 30 * diameter**1.9 * float(random.uniform(0.5, 1.5))
     case: dict[str, Any] = {
-        # The oracle does not use the groove geometry.
+        # The oracle does not use the groove geometry, so no groove inputs are drawn.
         "estimate_groove": False,
         "nominal_diameter_mm": diameter,
         "pitch_circle_diameter_mm": diameter * 1.04,
@@ -114,7 +114,7 @@ def drawn(random: np.random.Generator) -> dict[str, Any]:
 
 
 def cycle(random: np.random.Generator, lead: float, stroke: float, dynamic: float) -> list[dict[str, Any]]:
-    """Draw cycle entries of all kinds, at speeds up to 2000 rpm."""
+    """Draw random cycle entries of all kinds, with speeds up to 2000 rpm."""
     top = float(random.uniform(0.1, 1.0)) * 2 * lead
     entries: list[dict[str, Any]] = []
     for _ in range(int(random.integers(1, 6))):

@@ -42,6 +42,6 @@ def test_parts_of_a_cluster_and_a_store_are_bit_identical() -> None:
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_an_example_runs_in_an_empty_folder(path: Path, tmp_path: Path) -> None:
     environment = {**os.environ, "MPLBACKEND": "Agg"}
-    # This is the limit of the specification. Each example takes a few seconds.
+    # The specification permits this time. Each example takes a few seconds.
     run = subprocess.run([sys.executable, path], cwd=tmp_path, env=environment, timeout=60, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr

@@ -16,7 +16,7 @@ import ballscrew as bs
 from ballscrew._api import _SOLVER, Question, Solver
 from ballscrew._vocabulary import Inputs
 
-# Types that describe the keywords of a `**` parameter, by the name of the parameter.
+# For each `**` parameter, the types that describe its keywords.
 KEYWORDS: dict[str, Any] = {"inputs": Inputs, "changes": Inputs, "solver": Solver, "question": Question}
 
 # Functions that correspond to each command.
@@ -65,7 +65,7 @@ LEFT_OUT = {
 
 
 def helped(*command: str) -> str:
-    """Return the output of `--help`."""
+    """Return the output of a command with `--help`."""
     run = subprocess.run([program(), *command, "--help"], capture_output=True, text=True, check=True)
     return run.stdout
 
@@ -110,7 +110,7 @@ def test_every_option_is_a_keyword() -> None:
         for option in options(command):
             name = option.replace("-", "_")
             if name in given or is_keyword(name, given):
-                # The reason no longer applies.
+                # If the option has a keyword, the stated reason no longer applies.
                 assert f"{command} {option}" not in LEFT_OUT, f"{command} --{option} is there"
                 continue
             reasons = {option, f"{command} {option}"} & set(LEFT_OUT)
@@ -124,7 +124,7 @@ def test_defaults_equal_the_defaults_of_the_program(command: str) -> None:
     given, said = parameters(command), options(command)
     theirs = {option.replace("-", "_"): found[1] for option, words in said.items()
               if (found := re.search(r"\[default: ([^\]]+)\]", words))}
-    # The help of a setting of a model states its default in words.
+    # The help text for a model setting states the default in words.
     settings = {name: re.findall(r"defaults to (\d[\d.e-]*)", said[name])[0]
                 for name in ("tolerance", "accuracy", "creep")}
     for name, default in (theirs | settings).items():

@@ -1,4 +1,4 @@
-"""Tests of the consistency of the package with itself."""
+"""Tests that the package is consistent with itself."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def test_inputs_may_be_arrays_and_scalars_of_numpy(screw: bs.Case) -> None:
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, np.float64("nan")])
 def test_numbers_that_are_not_finite_are_rejected_at_any_depth(value: float) -> None:
-    """JSON cannot represent these numbers. Converted to null, they would be treated as missing."""
+    """JSON cannot represent NaN and infinity. Converted to null, they would be treated as missing inputs."""
     for inputs in ({"axial_load_N": value}, {"axial_load_kN": value}, {"ball_deviation_um": [0.0, value]},
                    {"cycle": [{"distance_mm": 100, "force_N": value}]}):
         with pytest.raises(bs.InputError, match="finite") as caught:
@@ -154,7 +154,7 @@ def test_values_that_are_not_numbers_are_rejected(value: object) -> None:
 
 
 def test_a_point_without_solution_raises_an_error_with_the_solution(screw: bs.Case) -> None:
-    # This is the first case of the guide on limits. The lead is too small for this friction.
+    # First case in the guide on limits. The lead is too small for this friction coefficient.
     locked = screw.replace(lead_angle_deg=0.5, friction_coefficient=0.3)
     answer = bs.solve(locked, model="rigid", check=False)
     assert answer.status == "no_solution" and math.isnan(answer.efficiency)
@@ -206,7 +206,7 @@ def test_representations_are_short_and_escaped(screw: bs.Case) -> None:
 
 
 def test_a_report_is_shown_with_its_content() -> None:
-    """A notebook used to show only whether an axis passes."""
+    """Regression test: a notebook showed only whether an axis satisfies its rules."""
     shown = bs.axis(bs.Case.read(EXAMPLES / "axis.json"))._repr_html_()
     assert "buckling_safety" in shown and "screw_mass_kg" in shown and len(shown) < 20_000
     shown = bs.select(EXAMPLES / "requirements" / "axis.json")._repr_html_()
@@ -241,7 +241,7 @@ def test_numbers_of_a_report_are_attributes_with_types_and_docs() -> None:
             found = properties(section)
             assert len(found) > 1
             for name, attribute in found.items():
-                # A property that the program does not report would be a KeyError.
+                # A property without an entry in the program's report would raise a KeyError.
                 assert getattr(section, name) == values[name]
                 assert attribute.fget is not None and attribute.__doc__
                 assert isinstance(values[name], attribute.fget.__annotations__["return"]), name
@@ -345,7 +345,7 @@ def test_many_points_match_single_solves(screw: bs.Case, model: str) -> None:
         answer = bs.solve(point, model=model, check=False)  # type: ignore[arg-type]
         assert table.status[row] == answer.status
         if answer.converged:
-            # The program guarantees this accuracy between a row and a single solve of the same inputs.
+            # The program guarantees that a row and a single solve of the same inputs agree to this accuracy.
             assert table["efficiency"][row] == pytest.approx(answer.efficiency, rel=1e-10)
 
 
@@ -401,7 +401,7 @@ def test_pandas_needs_no_pyarrow(screw: bs.Case) -> None:
 
 
 def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Case) -> None:
-    """An audit found that an id and a date became texts."""
+    """Regression test: a copied id and a copied date were converted to texts."""
     import datetime
 
     pl = pytest.importorskip("polars")
@@ -430,7 +430,7 @@ def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Case) -> None:
     arrow = pa.table({"id": pa.array([7, 8], pa.int32()), "tag": pa.array(["x", "y"]).dictionary_encode(), "axial_load_N": [2e3, 3e3]})
     out = bs.solve_many(arrow, screw, keep=["id", "tag"], columns=["efficiency"]).to_arrow()
     assert out.schema.field("id").type == pa.int32() and out.column("tag").to_pylist() == ["x", "y"]
-    # NumPy arrays also have types.
+    # NumPy arrays must also keep their types.
     points = {"axial_load_N": [2e3, 3e3], "n": np.array([5, 6], np.int16), "t": np.array(["2026-01-01", "NaT"], "datetime64[D]")}
     out = bs.solve_many(points, screw, keep=["n", "t"], columns=["efficiency"]).to_polars()
     assert out.schema["n"] == pl.Int64 and out["t"].null_count() == 1 and out["n"].to_list() == [5, 6]
@@ -455,7 +455,7 @@ def test_all_forms_of_arrays_are_accepted(screw: bs.Case) -> None:
     wide[:, 0] = loads
     frozen = loads.astype(float)
     frozen.flags.writeable = False
-    # The last form is an array as MATLAB passes it.
+    # The last form is the form in which MATLAB passes an array.
     forms = (loads, wide[:, 0], loads.astype(">f8"), frozen, loads.tolist(), np.ma.masked_array(loads), array("d", loads))
     for form in forms:
         assert bs.solve_many({"axial_load_N": form}, screw)["efficiency"].tobytes() == expected
@@ -474,7 +474,7 @@ def test_tables_can_be_pickled(screw: bs.Case) -> None:
     for table in (bs.solve_many(points, screw, columns=["efficiency"]), grid, bs.compare(screw)):
         other = pickle.loads(pickle.dumps(table))
         assert type(other) is type(table) and other.column_names == table.column_names
-        # NaN is not equal to itself, but the text of NaN is equal to itself.
+        # The texts are compared, because NaN is not equal to itself.
         assert repr(other.to_dict()) == repr(table.to_dict()) and other.units == table.units
         assert other.message(0) == table.message(0)
     table = pickle.loads(pickle.dumps(bs.solve_many(points, screw, columns=["efficiency"])))
@@ -569,7 +569,7 @@ def test_efficiency_is_output_over_input_power(load: float, speed: float, fricti
         friction_coefficient=friction,
     )
     if answer.converged:
-        # Both values follow from the same solve, so they differ by rounding only.
+        # Both values come from the same solve, so they differ only by rounding errors.
         assert answer.efficiency == pytest.approx(answer.output_power_W / answer.input_power_W, rel=1e-12)
 
 
@@ -592,7 +592,7 @@ def test_a_grid_has_labeled_axes(screw: bs.Case) -> None:
 
 
 def test_a_grid_shows_its_axes_in_names_frames_and_notebooks(screw: bs.Case) -> None:
-    """An audit found rows without their coordinates in notebooks."""
+    """Regression test: notebooks showed rows without the coordinates of their points."""
     vary = {"screw_speed_rpm": [500.0, 1500.0, 3000.0], "axial_load_N": [2e3, 8e3]}
     grid = bs.sweep(screw, vary=vary, columns=["efficiency"])
     names = ["screw_speed_rpm", "axial_load_N", "model", "status", "message", "efficiency"]
@@ -697,7 +697,7 @@ def test_quantities_of_pint_are_converted(screw: bs.Case) -> None:
     assert table["axial_load_N"].tolist() == [2000.0, 8000.0]
     with pytest.raises(bs.InputError, match="axial_load_N"):
         screw.replace(axial_load_N=8 * unit.kg)
-    # Pint knows every unit of the inputs.
+    # Pint must know the unit of every input.
     for name, quantity in bs.INPUTS.items():
         unit.parse_units(bs._api._pint_unit(quantity.unit)), name
     assert unit.parse_units(bs._api._pint_unit("kg/m3")) == unit.kg / unit.m**3
@@ -709,7 +709,7 @@ def test_quantities_of_pint_are_converted(screw: bs.Case) -> None:
 def test_exact_derivatives_match_differences(screw: bs.Case) -> None:
     wrt = ["friction_coefficient", "lead_mm", "axial_load_N"]
     points = {name: getattr(screw, name) for name in wrt}
-    # Differences of raceway control contain the error of its coarse quadrature, 6e-5. The derivatives use a finer one.
+    # For raceway control, the differences have an error of 6e-5 from coarse quadrature. The derivatives do not.
     tolerances: dict[Model, float] = {"raceway-control": 1e-4, "traction": 1e-5}
     for model, rtol in tolerances.items():
         value, exact = bs.gradient(points, "efficiency", wrt, screw, model=model)
@@ -723,7 +723,7 @@ def test_exact_derivatives_match_differences(screw: bs.Case) -> None:
 
 
 def test_a_gradient_without_solution_is_an_error_or_a_row_of_nan(screw: bs.Case) -> None:
-    # First case of the guide on limits: the lead is too small for this friction.
+    # First case in the guide on limits. The lead is too small for this friction coefficient.
     locked = screw.replace(lead_angle_deg=0.5)
     for method in ("exact", "difference"):
         with pytest.raises(bs.NoSolutionError):
@@ -738,7 +738,7 @@ def test_a_gradient_without_solution_is_an_error_or_a_row_of_nan(screw: bs.Case)
 
 
 def test_optimum_rejects_an_unknown_model() -> None:
-    """Regression test: an unknown model used to be ignored."""
+    """Regression test: an unknown model was ignored without a message."""
     with pytest.raises(bs.InputError, match="unknown model `rigd`"):
         bs.optimum(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.06, model="rigd")  # type: ignore[arg-type]
 
@@ -795,7 +795,7 @@ def test_sensitivities_are_sorted(screw: bs.Case) -> None:
 
 
 def test_curves_of_a_grid_have_one_line_for_each_value(screw: bs.Case) -> None:
-    """An audit found that, without `by`, one zigzag line was drawn through both axes."""
+    """Regression test: without `by`, one zigzag line was drawn through all points of the grid."""
     loads, speeds = [2000.0, 4000.0, 8000.0], [500.0, 1500.0]
     grid = bs.sweep(screw, vary={"axial_load_N": loads, "screw_speed_rpm": speeds}, columns=["efficiency"])
     lines = bs.plot.curves(grid, "axial_load_N", "efficiency").get_lines()
@@ -827,7 +827,7 @@ def test_ctrl_c_ends_a_run_at_once(model: str) -> None:
     run.send_signal(signal.SIGINT)
     told, words = run.communicate(timeout=30)
     assert b"KeyboardInterrupt" in words
-    # Signals are handled every 0.05 s, and ending the run takes 0.02 s. The limit is ten times longer for a busy machine.
+    # Signals are handled every 0.05 s, and ending a run takes 0.02 s. The limit leaves a margin for a busy machine.
     assert float(told) - start < 0.7
 
 

@@ -89,7 +89,7 @@ def test_errors_of_parts_are_reported(tmp_path: Path) -> None:
         bs.run_part(plan.text.replace('"results":', '"results":1'), 0, tmp_path / "other")
     with pytest.raises(bs.InputError, match="one of vary, draw and points"):
         made(tmp_path / "x", vary=None)
-    # An audit found that after a change of the plan every good part seemed to belong to another plan.
+    # Regression test: after the plan had been modified, every intact part was reported to belong to another plan.
     text = (tmp_path / "map" / "plan.json").read_text()
     (tmp_path / "map" / "plan.json").write_text(text.replace("9000", "9001"))
     with pytest.raises(bs.InputError, match="has been changed"):
@@ -106,7 +106,7 @@ def test_errors_of_parts_are_reported(tmp_path: Path) -> None:
         bs.Plan.open(tmp_path / "swapped").run(repair=True)
     with pytest.raises(OSError, match="plan.json"):
         bs.Plan.open(tmp_path / "nowhere")
-    # The exception that stops a run is raised to the caller, and finished parts are kept.
+    # An exception that stops a run must reach the caller, and finished parts must be kept.
     stopped = made(tmp_path / "stopped", vary={"axial_load_N": bs.linspace(500, 9000, 3_000_000)}, rows_per_part=1_000_000)
     with pytest.raises(RuntimeError, match="enough"):
         stopped.run(progress=lambda done, total: (_ for _ in ()).throw(RuntimeError("enough")))
@@ -192,7 +192,7 @@ def test_killed_workers_do_not_change_the_parts(tmp_path: Path) -> None:
         nonlocal killed
         while not ended.wait(draws.uniform(0.1, 0.5) * undisturbed) and killed < kills:
             workers = [*client.run(os.getpid).values()]
-            # A nanny gives up on a worker that dies while it starts, so one worker is left alive meanwhile.
+            # A nanny does not restart a worker that dies while it starts, so one worker is kept alive during this time.
             if len(workers) == 2 and not ended.is_set():
                 os.kill(draws.choice(workers), signal.SIGKILL)
                 killed += 1
@@ -207,8 +207,8 @@ def test_killed_workers_do_not_change_the_parts(tmp_path: Path) -> None:
         folder = tmp_path / f"map{rounds}"
         plan = made(folder, **long)
         ended = threading.Event()
-        # A kill by the test is not a fault of the task. Nannies restart workers, but sometimes give up, so each round
-        # has its own nannies.
+        # A killed worker must not count as a failure of its task. Nannies restart workers, but sometimes give up, so
+        # each round has its own nannies.
         with (
             dask.config.set({"distributed.scheduler.allowed-failures": 50}),
             distributed.Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client,

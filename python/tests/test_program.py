@@ -103,7 +103,7 @@ def test_ellipses_match_the_command(name: str) -> None:
     for contact, fields in zip(contacts, expected, strict=True):
         assert list(contact) == list(fields)
         for field, values in fields.items():
-            # There are no numbers outside the ellipse.
+            # Outside the ellipse, there are no numbers to compare.
             wanted = np.array([np.nan if value is None else value for value in values]) if isinstance(values, list) else values
             assert np.array_equal(np.ravel(contact[field]), np.ravel(wanted), equal_nan=True) if isinstance(values, list) else contact[field] == values
 
@@ -115,7 +115,7 @@ def test_fit_matches_the_command() -> None:
     assert plain(report) == told("fit", path, "--measured", "screw_torque_Nm=26", "--model", "raceway-control")
     found = report["found"][0]["friction_coefficient"]
     torque = bs.solve(screw, model="raceway-control", friction_coefficient=found).ball_torque_Nm
-    # The fit ends when the torque agrees to 1e-6.
+    # The fit ends when the relative error of the torque is below 1e-6.
     assert torque == pytest.approx(26.0, rel=1e-5)
 
 
@@ -131,7 +131,7 @@ def test_one_friction_coefficient_per_contact_matches_the_command() -> None:
         bs.solve_many({"screw_speed_rpm": [1500.0]}, oiled, model="raceway-control", friction="contact"),
         bs.sweep(oiled, vary={"screw_speed_rpm": [1500.0]}, model="raceway-control", friction="contact"),
     ):
-        # The program guarantees this accuracy between a row and a single solve of the same inputs.
+        # The program guarantees that a row and a single solve of the same inputs agree to this accuracy.
         assert table["dissipated_power_W"][0] == pytest.approx(answer.dissipated_power_W, rel=1e-10)
     with pytest.raises(bs.InputError, match="local, contact"):
         bs.solve(oiled, friction="everywhere")  # type: ignore[arg-type]
@@ -159,7 +159,7 @@ def test_the_warm_state_of_an_axis_matches_the_command() -> None:
     warm, cooled = grid["nut_temperature_C"]
     # The calculated conductance is 3.3 W/K, and the preload is set at 20 C.
     assert warm > sheet["nut_temperature_C"] > cooled > 20
-    # If no warm state is requested, no temperature rises.
+    # If no warm state is requested, the report must not contain a warm state.
     cold = bs.Case(axis, warm_state=False, lubricant_temperature_C=40)
     assert "warm" not in bs.axis(cold, model="raceway-control", control="nut")
 
@@ -172,7 +172,7 @@ def test_a_nut_with_touching_balls_matches_the_command() -> None:
     assert plain(bs.nut(case, model="traction")) == expected
     grid = bs.sweep(case, vary={"ball_gap_mm": [0.1, 0.3, 1.0]}, model="traction",
                     columns=["needed_gap_mm", "max_push_N", "friction_torque_Nm"])
-    # With a larger gap than needed, no balls touch.
+    # A gap of 1 mm is larger than needed, so no balls touch.
     assert all(0.3 < gap < 1.0 for gap in grid["needed_gap_mm"])
     tight, near, wide = grid["max_push_N"]
     assert tight > near > wide == 0
@@ -209,7 +209,7 @@ def test_reports_in_folders_match_the_commands(tmp_path: Path) -> None:
         assert run.returncode == 0, run.stderr
     files = sorted(p.relative_to(tmp_path / "ours") for p in (tmp_path / "ours").rglob("*") if p.is_file())
     assert len(files) > 50
-    # The program reads a file, whose name and hash are in the footer of the sheet.
+    # The program reads a case file and states its name and hash in the footer of the sheet.
     foot = f" From axis.json, SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}.".encode()
     for name in files:
         theirs = (tmp_path / "theirs" / name).read_bytes()
@@ -230,7 +230,7 @@ def test_select_matches_the_command(path: Path) -> None:
 
 
 def same_table(ours: Path, theirs: Path) -> None:
-    """Compare the bytes of two files. In Parquet the program additionally states the origin of the table."""
+    """Compare two files byte by byte. Parquet files of the program also contain the origin of the table."""
     if ours.suffix != ".parquet":
         assert ours.read_bytes() == theirs.read_bytes(), ours
         return
@@ -396,7 +396,7 @@ def test_a_table_of_points_writes_the_bytes_of_the_program(tmp_path: Path, model
         "screw_speed_rpm": draws.uniform(100, 1500, rows),
         "axial_load_kN": draws.uniform(2, 8, rows),
     }
-    # Invalid rows keep their position and state the reason.
+    # Invalid rows must keep their position and state the reason.
     points["axial_load_kN"][[1, 100, rows - 1]] = -1.0
     names = [f"point {row}" for row in range(rows)]
     outputs = ["efficiency", "ball_torque_Nm", "controlling_raceway"]

@@ -1,4 +1,4 @@
-"""Solve the warm reference case WS-P5 by an independent script, with and without the limit of friction."""
+"""Solve the warm reference case WS-P5 with an independent script, with and without the limit of gross sliding."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_warm_reference_follows_with_and_without_the_limit_of_friction(limited: 
     expected = numbers(case["expect"] if limited else original)
     found = Pair(case["case"], original).steady(limited=limited)
     for name, value in found.items():
-        # The tolerance of the case applies to temperature rises: 0.05 mK at the nut. The limit has an effect of 1.8 mK.
+        # The tolerance for the temperature rise of the nut is 0.05 mK. The sliding limit changes this rise by 1.8 mK.
         of = expected[name] - 20 if name.endswith("_C") else expected[name]
         allowed = 1e-4 if name == "loop_gain" else case["rel_tol"] * of
         assert value == pytest.approx(expected[name], rel=0, abs=allowed), name

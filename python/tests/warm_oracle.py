@@ -2,7 +2,7 @@
 
 It shares no code with the program and does not call the program. It follows chapters 6, 7, 16, 17 and 19 of
 `docs/theory` for a pair of nuts in X arrangement without axial load: oil, raceway control with the nut in control,
-rigid bodies. The offset of the preload, the conductances and the drag outside the contacts are inputs.
+rigid bodies. The preload offset, the conductances and the drag outside the contacts are inputs.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ class Pair:
         return nut, screw
 
     def loads(self, rises: Floats) -> Loads:
-        """Return the loads of the balls at given temperature rises of nut, screw and balls."""
+        """Return the ball loads for given temperature rises of nut, screw and balls."""
         of_nut, of_screw, of_balls = EXPANSION * rises[:3]
         excess = self.ball * (of_balls - 0.5 * (of_nut + of_screw))
         gap = self.pitch_radius * (of_nut - of_screw)
@@ -163,7 +163,7 @@ class Pair:
         cos = math.cos(self.lead_angle)
 
         def at(shift: float) -> Loads:
-            # (U5), seen from the flank that the ball is on, and (J10) to (J13).
+            # (U5), from the point of view of the flank that the ball touches, and (J10) to (J13).
             along = cos * (0.5 * self.offset + self.way * ((of_nut - of_screw) * self.z + shift))
             line_b, line_n = reach * math.sin(self.angle) + along, reach * math.cos(self.angle) - gap
             line = np.hypot(line_b, line_n)
@@ -191,7 +191,7 @@ class Pair:
         radial = (nut.offset + screw.offset) * math.cos(angle)
         beta_nut = beta_screw = angle
         for _ in range(100):
-            # (W4): the nut controls; then (W12), and (W13) by the mean cotangent.
+            # (W4) with the nut as the controlling raceway, followed by (W12) and (W13), with the mean cotangent.
             rate = (1 - radius / d * math.cos(lead) * math.cos(beta_screw)) / (1 + math.cos(beta_nut - beta_screw))
             spread = mass * self.pitch_radius * (rate * self.speed) ** 2 * math.cos(lead) / force
             low, high = 0.0, 10.0
@@ -284,14 +284,14 @@ class Pair:
         return sliding - dot(force, center) - dot(moment, relative)
 
     def heat(self, rises: Floats, *, limited: bool) -> Floats:
-        """Return the heat of nut, screw, balls and both ends [W] (I13), (I14)."""
+        """Return the heat generated at the nut, the screw, the balls and both ends [W] (I13), (I14)."""
         kelvin = 20 + CELSIUS + 0.5 * rises[2] + 0.25 * (rises[0] + rises[1])
         oil = Oil(kelvin)
         found = self.loads(rises)
         forces = found.axial
         arm = math.hypot(self.pitch_radius, self.h)
         at_nut = at_screw = 0.0
-        # Balls at mirrored places of both bodies carry the same load.
+        # Balls at mirrored positions in both nuts carry the same load.
         for force in forces[: len(forces) // 2]:
             if force == 0.0:
                 continue
@@ -329,7 +329,7 @@ class Pair:
         return matrix
 
     def growth(self, rises: Floats) -> float:
-        """Return the growth of the screw [m] (I16)."""
+        """Return the thermal growth of the screw [m] (I16)."""
         _, m, length = self.fin()
         ends = 2 * rises[1] + rises[3] + rises[4]
         return EXPANSION * float(self.length * rises[1] + math.tanh(m * length / 2) / m * ends)
@@ -345,7 +345,7 @@ class Pair:
         return float(1e6 * damage**-0.9)
 
     def slopes(self, rises: Floats, *, limited: bool) -> Floats:
-        """Return derivatives of the heat with respect to the temperatures [W/K], by central differences of 2 mK."""
+        """Return the derivatives of heat with respect to temperature [W/K], from central differences of 2 mK."""
         slopes = np.zeros((5, 5))
         for node in range(3):
             step = np.zeros(5)
@@ -355,7 +355,7 @@ class Pair:
         return slopes
 
     def steady(self, *, limited: bool) -> dict[str, float]:
-        """Return the steady state, with the names of the reference cases."""
+        """Return the steady state. The results have the same names as in the reference cases."""
         matrix = self.matrix()
         inverse = np.linalg.inv(matrix)
         rises: Floats = np.zeros(5)

@@ -1,4 +1,4 @@
-//! Replies of the commands: their contents, and the files to which they are written.
+//! Output of the commands: its contents, and the files to which it is written.
 
 use std::path::{Path, PathBuf};
 
@@ -14,15 +14,16 @@ use crate::table;
 /// A function that writes the table of an answer to a file.
 pub(crate) type WriteTable<'a> = Box<dyn Fn(&Path) -> Result<(), Failure> + 'a>;
 
-/// The output of a command: its answers and their forms on the screen and in files.
+/// The output of a command: its answers, and everything that is needed to print them and to write
+/// them to files.
 #[derive(Default)]
 pub(crate) struct Reply<'a> {
     /// Heading that is printed above the answer.
     pub(crate) title: Option<String>,
     /// Named answers. If there are several, each answer becomes a member of one JSON object.
     pub(crate) parts: Vec<(&'static str, Answer)>,
-    /// For commands whose JSON file contains a case instead of the answer: this case, or null if
-    /// the command found no case.
+    /// Case that is written to the JSON file instead of the answer, or null if the command found no
+    /// case. `None` for commands that write the answer.
     pub(crate) case: Option<Value>,
     /// Function that writes the table of the answer; `None` if the answer has no table.
     pub(crate) table: Option<WriteTable<'a>>,

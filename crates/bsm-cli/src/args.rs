@@ -195,7 +195,7 @@ impl CaseArgs {
         files::read_case(self.case.as_deref(), &with_units(&self.settings, self.units.as_ref()))
     }
 
-    /// Reads another case file and applies the same settings.
+    /// Reads a second case file and applies the settings of the first case.
     pub(crate) fn read_other(&self, path: &Path) -> Result<Case, Failure> {
         files::read_case(Some(path), &with_units(&self.settings, self.units.as_ref()))
     }
@@ -265,14 +265,14 @@ impl ModelArgs {
         OPTIONS.into_iter().find(is_cause).unwrap_or("--model")
     }
 
-    /// Returns true if any model setting is given.
+    /// Returns true if the command line contains any model setting.
     pub(crate) fn has_settings(&self) -> bool {
         let numbers = [self.tolerance, self.accuracy, self.creep];
         numbers.iter().any(Option::is_some) || self.control.is_some() || self.friction.is_some()
     }
 }
 
-/// Returns a parser that accepts only numbers within the limits of a rule.
+/// Returns a parser that accepts only numbers that a rule permits.
 fn number_of(rule: Rule) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| {
         let number = text.parse().ok().filter(|number| rule.holds::<f64>(*number));
@@ -347,7 +347,7 @@ impl DialectArgs {
         format
     }
 
-    /// Returns an error if one of the options is given although no table is read.
+    /// Returns an error if one of the table format options is given although no table is read.
     ///
     /// * `table`: name of the option that specifies the table.
     pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {
@@ -366,7 +366,7 @@ impl NamedTableArgs {
         Ok(format)
     }
 
-    /// Returns an error if one of the options is given although no table is read.
+    /// Returns an error if one of the options for input tables is given although no table is read.
     ///
     /// * `table`: name of the option that specifies the table.
     pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {
@@ -375,7 +375,7 @@ impl NamedTableArgs {
     }
 }
 
-/// Returns an error if an option for tables is given although no table is read.
+/// Returns an error if an option for input tables is given although no table is read.
 fn not_without_table(option: Option<&str>, table: &str) -> Result<(), Failure> {
     option.map_or(Ok(()), |option| {
         Err(Failure::Input(format!("{option} applies only to the table of {table}")))
@@ -718,7 +718,8 @@ pub(crate) struct RunArgs {
 /// A selection of parts of a dataset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Only {
-    /// Remainder and divisor: selects every part whose number leaves this remainder.
+    /// Selects every part whose number, divided by the second value, leaves the first value as the
+    /// remainder.
     Share(u64, NonZeroU64),
     /// Selects the parts from the first number up to, but not including, the second number.
     Range(u64, u64),

@@ -1,4 +1,5 @@
-//! `bsm axis`: calculates a feed axis.
+//! `bsm axis`: calculates the speeds, loads, life, torque and heat of a feed axis and checks their
+//! limits.
 
 use std::path::Path;
 
@@ -31,7 +32,7 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
         return reply.give(&to, || Ok(Pictures { page: page()?, ..Pictures::default() }));
     }
     let answer = report.answer.clone().with("program", Content::Json(PROGRAM.into()));
-    // A drawing shows the groove profiles, so the case must contain the groove geometry.
+    // The drawing shows the groove profiles, so the groove geometry of the case must be known.
     let drawing = GrooveSection::of(&report.case).map(|section| groove_dxf(&section));
     if args.out.output.iter().any(|path| ending_of("-o", path, &["dxf"]).is_ok()) {
         drawing.as_ref().map_err(|error| Failure::case(args.case.path(), error))?;
@@ -48,8 +49,8 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     reply.give(&to, draw)
 }
 
-/// Calculates the feed axis of a case. If `--cycle` names a table, its load cycle replaces the
-/// cycle of the case.
+/// Analyzes the feed axis of a case. If `--cycle` names a table, the load cycle in this table
+/// replaces the cycle of the case.
 ///
 /// * `path`: path of the case file, for messages.
 fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Failure> {

@@ -22,12 +22,12 @@ pub(crate) enum Failure {
     /// A file or disk operation failed.
     #[error("{0}")]
     Files(String),
-    /// The command was executed, but a point has no solution or a check failed. The message has
-    /// already been printed.
+    /// The command ran to completion, but a point has no solution or a check failed. The message
+    /// has already been printed.
     #[error("unsolved")]
     Unsolved,
-    /// Existing output differs from the expected output, a fit failed, or an axis has no warm
-    /// steady state.
+    /// Existing output differs from the expected output, a fit failed, or the temperatures of an
+    /// axis have no steady state.
     #[error("{0}")]
     Check(String),
     /// A table of points contains an error.
@@ -50,8 +50,8 @@ impl Failure {
         Self::in_case(path, &of_input(error))
     }
 
-    /// Reports an error in an option or a file. The message begins with the name `of` this option
-    /// or file.
+    /// Reports an error in an option or a file. The message begins with `of`, the name of the
+    /// option or file.
     pub(crate) fn input(of: impl Display, error: &CaseError) -> Self {
         Self::Input(format!("{of}: {}", of_input(error)))
     }

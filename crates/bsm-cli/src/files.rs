@@ -23,8 +23,8 @@ const TEMPORARY: &str = ".bsm-";
 /// Number of random letters and digits at the end of a temporary file name.
 const RANDOM: usize = 16;
 
-/// Maximum number of characters of the final name that are repeated in the temporary name. File
-/// names are limited to 255 bytes.
+/// Maximum number of characters of the final file name that the temporary file name repeats. The
+/// limit keeps temporary file names shorter than 255 bytes, the maximum length of a file name.
 const REPEATED: usize = 40;
 
 /// Maximum size of a case, a requirement or a list of sizes \[B\]. Typical files have a few kB.
@@ -271,7 +271,7 @@ fn take_over(file: &File, path: &Path) -> io::Result<()> {
     let group = new.gid() == former.gid() || fchown(file, None, Some(former.gid())).is_ok();
     let mut mode = former.mode() & 0o7777;
     if !group {
-        // The permissions of the original group must not be granted to another group.
+        // The permissions of the original group must not be granted to a different group.
         mode &= !0o2070;
     }
     if !(owner && group) {

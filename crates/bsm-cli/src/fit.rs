@@ -16,7 +16,7 @@ use crate::progress::waiting;
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let given = args.case.read_as_given()?;
-    // Some outputs of the axis can be calculated without a groove.
+    // Some outputs of `bsm axis` do not depend on the groove geometry.
     let case = match given.with_groove() {
         Err(CaseError::NoGroove(_)) if args.points.is_none() => given,
         found => found.map_err(args.case.failure())?,
@@ -47,7 +47,8 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         .give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// Finds all values of an input that reproduce one measured output or bring a rule to its limit.
+/// Finds all values of an input at which an output has its measured value or a rule reaches its
+/// limit.
 fn to_point(args: &FitArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
     let [input] = &args.input[..] else {
         let text =

@@ -47,8 +47,8 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
     };
     let figures: Vec<_> = figures.into_iter().map(|figure| figure.in_units(units)).collect();
     let lacking = match list.catalog() {
-        // The figure that shows the forces in a preloaded pair needs one nut. The other figures
-        // need two nuts.
+        // The figure of the forces in a preloaded pair can be drawn for a single nut. Each of the
+        // other figures requires at least two nuts.
         Some(_) if figures.len() < 2 => Some(
             "only one figure is drawn; the other figures need two nuts that differ only in lead or only in diameter",
         ),
@@ -72,7 +72,7 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
         let parts = parts.map(|from| list.values(from..written.min(from + PART)));
         write_columns(path, &columns, parts, &request(args)?)
     };
-    // A manufacturer's table is short enough to print completely.
+    // The nuts in a manufacturer's table are few enough to print all of them.
     let usual = if list.catalog().is_some() { SHOWN } else { usize::MAX };
     let answer = list.answer(first(usual));
     let shown = args.columns.is_some().then(|| list.answer_of(first(usual), &columns));
@@ -153,7 +153,7 @@ fn count(list: &NutList, args: &SelectArgs) -> String {
     format!("The list contains {} nuts{met}{left}.", list.all)
 }
 
-/// Returns text that lists the names, units and descriptions of all columns.
+/// Returns a text that lists the names, units and descriptions of all columns.
 pub(crate) fn columns() -> String {
     let row = |column: &ListColumn| {
         let when = if column.is_of_sheet() { "with a requirement" } else { "" };

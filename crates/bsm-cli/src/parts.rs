@@ -19,7 +19,7 @@ use crate::progress::progress;
 use crate::table_job::{failed, mend};
 use crate::unfinished;
 
-/// Number of rows of a plan above which the program advises against storing the results. Reading a
+/// Number of rows above which the program advises against storing the results of a plan. Reading a
 /// terabyte from files takes longer than calculating the results again.
 const MANY_ROWS: u64 = 10_000_000_000;
 

@@ -44,7 +44,7 @@ pub(crate) struct Curves {
     x: PlotAxis,
     x_unit: DisplayUnit,
     lines: Vec<Curve>,
-    /// For each curve, the model that solved its last point.
+    /// Model that solved the most recent point of each curve.
     models: Vec<Option<&'static str>>,
     /// Points whose model differs from the model of the previous point, with the names of both
     /// models.
@@ -110,7 +110,7 @@ impl Picture for Curves {
     /// Adds points to the curves. A point without a result leaves a gap in its curve.
     fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
         let count = self.lines.len();
-        // The curves alternate from row to row, so a chunk may begin at any curve.
+        // Consecutive rows belong to different curves, so a chunk may begin with any curve.
         let first = usize::try_from(chunk.first - 1).unwrap_or(0) % count;
         for (row, (x, y)) in chunk.inputs[0].values().iter().zip(values).enumerate() {
             let line = (first + row) % count;

@@ -57,7 +57,7 @@ pub(crate) fn waiting(what: &'static str) -> Waiting {
             bar.finish_and_clear();
         }
     };
-    // If no thread can be started, the calculation runs without a spinner.
+    // If no thread can be started, the calculation runs without showing a spinner.
     Waiting { end: Some(end), shown: thread::Builder::new().spawn(show).ok() }
 }
 

@@ -1,5 +1,5 @@
-//! `bsm schema`: JSON Schemas of files and answers, and the units that input names may have. The
-//! schemas are derived from the same structs and tables as the answers.
+//! `bsm schema`: JSON Schemas of files and answers, and the unit suffixes that input names may
+//! have. The schemas are derived from the same structs and tables as the answers.
 
 use bsm_case::units::units_by_quantity;
 use bsm_case::{AnswerSchema, ObjectSchema, input_schema, output_schema};

@@ -20,11 +20,11 @@ use crate::{nuts, table};
 pub(crate) const STANDARD: &str = "standard";
 pub(crate) const MANUFACTURERS: &str = "manufacturers";
 
-/// Hint that suggests another source of sizes.
+/// Hint that suggests the standard lists as an alternative source of sizes.
 const OTHERS: &str = "--from standard searches every combination of the standard lists";
 
-/// Sizes or nuts that `--from` specifies: a list of sizes (by default the sizes of manufacturers),
-/// or nuts from a manufacturer's table.
+/// Sizes or nuts that `--from` specifies: a list of sizes (by default, manufacturers' sizes), or
+/// the nuts in a manufacturer's table.
 #[expect(clippy::large_enum_variant, reason = "a run creates only one value of this type")]
 pub(crate) enum Source {
     Sizes(Catalog),
@@ -36,7 +36,7 @@ impl Source {
         let own = |sizes: Result<_, CaseError>| {
             sizes.map(Self::Sizes).map_err(|e| Failure::Input(e.to_string()))
         };
-        // A continuous search over all sizes uses standard ball diameters.
+        // A search over continuous dimensions uses standard ball diameters.
         let usual = Path::new(if args.free { STANDARD } else { MANUFACTURERS });
         let from = args.from.as_deref().unwrap_or(usual);
         let is_table = ending_of("--from", from, &["csv"]).is_ok();
@@ -99,7 +99,7 @@ pub(crate) fn requirement(
     requirement.map(Some).map_err(|e| Failure::case(path, &e))
 }
 
-/// Chooses the best screw and reports the steps of this choice.
+/// Chooses the best screw and prints the steps of this choice.
 fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
     let to = check(args, &["json", "csv", "xlsx"])?;
     let Some(requirement) = requirement(args, sizes)? else { return Ok(()) };
@@ -135,7 +135,7 @@ fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
     reply.give(&to, || Ok(Pictures::default()))
 }
 
-/// Returns text that describes the keys of a requirement.
+/// Returns a text that describes the keys of a requirement.
 fn keys() -> String {
     let words = REQUIREMENT_CHOICES.iter().map(|(name, words, about)| {
         vec![(*name).to_owned(), String::new(), format!("{about}: {}", words.join(", "))]

@@ -1,5 +1,5 @@
-//! `bsm solve`: solves one operating point and calculates slip, jamming, optimum contact angle and
-//! ratings.
+//! `bsm solve`: solves one operating point and calculates slip, jamming, the optimum contact angle
+//! and load ratings.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ use crate::nut::columns;
 use crate::progress::waiting;
 use crate::table_job::write_rows;
 
-/// Sections of the answer, with their names in the JSON object if several sections are requested.
+/// Sections of the answer, with the names of their JSON members if several sections are requested.
 const PARTS: [(Show, &str); 6] = [
     (Show::Motion, "motion"),
     (Show::Slip, "slip"),
@@ -106,8 +106,8 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// Recalculates a section of the answer for another possible groove. Returns `None` if there is no
-/// solution.
+/// Recalculates a section of the answer for another groove that is consistent with the inputs.
+/// Returns `None` if there is no solution.
 fn again(part: Show, args: &SolveArgs, case: &Case, settings: &Settings) -> Option<Answer> {
     let solution = || {
         let solution = case.problem(settings).ok()?.solve(&mut ModelWorkspace::default());
@@ -157,7 +157,7 @@ fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, 
     Ok(answer)
 }
 
-/// Returns the results of the motion, or the reason why there is no solution.
+/// Returns the results of the motion, or the reason why the motion has no solution.
 fn point(
     args: &SolveArgs,
     case: &Case,
@@ -173,7 +173,7 @@ fn point(
     Ok(record.answer(PROGRAM, case, settings, beside))
 }
 
-/// Calculates the slip or jamming analysis of the solved motion, and the sweeps for its figures.
+/// Runs the slip or jamming analysis of the solved motion, and the sweeps for its figures.
 fn analysis(
     args: &SolveArgs,
     case: &Case,
@@ -193,8 +193,7 @@ fn analysis(
     })
 }
 
-/// Calculates an analysis that depends on the motion of the ball. If the motion has no solution,
-/// returns the reason.
+/// Runs an analysis of the ball motion. If the motion has no solution, returns the reason.
 fn of_motion(
     args: &SolveArgs,
     case: &Case,

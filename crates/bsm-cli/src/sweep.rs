@@ -29,8 +29,8 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let (points, grid) = points_of(args)?;
     let is_grid = matches!(points, Points::Grid(_));
 
-    // Combinations of options, fixed inputs, model and outputs are checked before the first point
-    // is solved.
+    // The combination of options, the fixed inputs, the model and the outputs are checked before
+    // the first point is solved.
     let picture = files.lines.or(files.map);
     if picture.or(files.lookup).is_some() && (args.resume || args.plan || !is_grid) {
         let text = "plots and lookup tables need all points of a grid; they cannot be combined with --resume, --plan or --draw";
@@ -59,8 +59,8 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         return Lookup::of(path).write(path, &task, &grid, workers);
     }
     let model = task.settings.model.name();
-    // Only the beginning of the case description becomes part of the title, because values
-    // mentioned later in the description may be varied.
+    // Only the beginning of the case description becomes part of the title, because the rest may
+    // contain values of varied inputs.
     let head = |text: String| text.split([':', ',']).next().unwrap_or_default().to_owned();
     let title = title.map_or_else(String::new, |text| format!("{}: ", head(text)));
     let of = watched.map_or_else(String::new, |output| output.name.replace('_', " "));
@@ -129,7 +129,7 @@ fn of_table(
     })
 }
 
-/// Prints a note about inputs that no ball model uses. The note is omitted if a requested column
+/// Prints a note about inputs that no ball model uses. The note is omitted if a requested output
 /// belongs to the nut or the axis, which may use these inputs.
 fn note_unread(task: &Task, columns: InputSet) {
     use AnalysisKind::{Axis, Nut, Ratings, Warm};
@@ -189,8 +189,8 @@ impl<'a> Files<'a> {
                 ));
             }
         }
-        // The results may replace the table of points, because this table is read completely before
-        // the results get their final file name.
+        // The table of results may replace the table of points, because the points are read
+        // completely before the temporary file with the results is renamed.
         let others = outputs().filter(|path| files.table != Some(*path));
         InputFiles::of([args.points.as_deref()]).check(others)?;
         if let Some(path) = files.lookup.filter(|_| args.output.len() > 1) {
@@ -247,7 +247,7 @@ impl<'a> Files<'a> {
     }
 }
 
-/// Rejects display units for files that other programs read in metric units.
+/// Rejects display units for files whose readers expect metric units.
 fn only_own(units: &ColumnUnits, path: &Path, what: &str) -> Result<(), Failure> {
     if units.are_own() {
         return Ok(());

@@ -22,7 +22,7 @@ fn verdict(verdict: Option<Verdict>) -> String {
     word.to_owned()
 }
 
-/// Formats a table without borders. The columns from index `first_number` on are right-aligned.
+/// Formats a table without borders. All columns from index `first_number` onward are right-aligned.
 pub(crate) fn plain(header: Option<&[&str]>, rows: &[Vec<String>], first_number: usize) -> String {
     aligned(header, rows, |column| column >= first_number)
 }

@@ -140,8 +140,8 @@ impl Job<'_> {
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
         let form = form_of(path)?;
-        // Text formats cannot contain a description of the origin. It is created only if needed,
-        // because this requires reading the whole table of points.
+        // The origin of the table cannot be stored in text formats. The description of the origin
+        // is created only if it is needed, because this requires reading the whole table of points.
         let is_text = matches!(form, Form::Table(Format::Csv | Format::JsonLines));
         let mut about = if is_text && self.about.is_none() {
             Value::Null
@@ -256,12 +256,12 @@ struct Changes<'a> {
     before: Option<(u64, f64, ModelChoice)>,
     /// Descriptions of the first few changes of the model.
     first: Vec<String>,
-    /// Changes of the model: index of each point on the axis, with the names of both models.
+    /// Changes of the model: index of the point on the axis, and the names of both models.
     found: HashSet<(u64, [&'static str; 2])>,
 }
 
 impl<'a> Changes<'a> {
-    /// Maximum number of changes listed in the note.
+    /// Maximum number of model changes that the note lists.
     const NAMED: usize = 4;
 
     fn along(grid: &'a Grid) -> Self {
@@ -360,7 +360,7 @@ pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
     }
 }
 
-/// Describes how to repair damaged parts, or what to do with files that have the name of a part but
+/// Describes how to repair damaged parts, or what to do with files that are named like a part but
 /// are not in the plan.
 pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, PartDefect)]) -> String {
     let them = if damaged.len() == 1 { "it" } else { "them" };

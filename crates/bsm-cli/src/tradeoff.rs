@@ -143,14 +143,14 @@ fn micro(ns: f64) -> String {
     short(1e-3 * ns)
 }
 
-/// Formats the computing times of single solves and of batch tables.
+/// Formats the computing times of single solves and of batch runs.
 fn times_row(OneCore { single, batch, row, .. }: &OneCore) -> Vec<String> {
     let of = [single.mean, single.median, single.q90, single.q99, single.max];
     of.into_iter().chain([*batch, row.median, row.q90, row.q99, row.max]).map(micro).collect()
 }
 
-/// Formats the numbers of steps, evaluations, nodes and searches, which determine the computing
-/// time.
+/// Formats the numbers of solver steps, function evaluations, quadrature nodes and searches, which
+/// determine the computing time.
 fn costs_row(
     OneCore { steps, evaluations, nodes, searches, searching, .. }: &OneCore,
 ) -> Vec<String> {

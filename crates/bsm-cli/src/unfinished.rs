@@ -1,5 +1,5 @@
-//! Cleanup after an interruption. It ensures that no incomplete file has its final name and that no
-//! temporary file remains.
+//! Cleanup after an interruption, which ensures that no file with a final name is incomplete and
+//! that no temporary file remains.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use tempfile::NamedTempFile;
 #[derive(Debug)]
 pub(crate) struct Unfinished {
     files: Vec<PathBuf>,
-    /// True once the program handles interrupts.
+    /// True after the interrupt handler has been started.
     listening: bool,
 }
 
@@ -62,22 +62,22 @@ mod signals {
     use crate::failure::warn;
     use crate::files::FILE_TOO_LARGE;
 
-    /// Handled signals, including the signals that job schedulers send before a time limit. Each
-    /// signal ends the program with the exit code 128 + signal number.
+    /// Handled signals, including the signals that job schedulers send before a time limit expires.
+    /// Each signal ends the program with the exit code 128 + signal number.
     const INTERRUPTS: [i32; 9] =
         [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM];
 
-    /// Time after the signal SIGXFSZ within which the failed write reports its error.
+    /// Time that a failed write has to report its error after the signal SIGXFSZ.
     const FAILS_WITHIN: Duration = Duration::from_millis(200);
 
-    /// Ensures that memory exhaustion and files that exceed the size limit end the program with
-    /// exit code 1.
+    /// Ensures that the program ends with exit code 1 if memory runs out or a file exceeds the size
+    /// limit.
     pub(crate) fn prepare() -> io::Result<()> {
-        // A write beyond the limit of `ulimit -f` now returns an error instead of terminating the
-        // program.
+        // With this handler, a write beyond the limit of `ulimit -f` returns an error instead of
+        // terminating the program.
         flag::register(SIGXFSZ, Arc::default())?;
-        // If memory runs out, Rust prints an error and aborts. The program then ends with exit code
-        // 1 instead of the exit code of the abort.
+        // If memory runs out, Rust prints an error and aborts. With this handler, the program ends
+        // with exit code 1 instead of the exit code of an abort.
         flag::register_conditional_shutdown(SIGABRT, 1, Arc::new(AtomicBool::new(true)))?;
         Ok(())
     }

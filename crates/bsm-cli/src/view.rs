@@ -18,7 +18,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
         let text = "--open and --port cannot be combined with -o PAGE.html, which starts no server";
         return Err(Failure::Input(text.to_owned()));
     }
-    // An error in the case is reported here instead of in the browser.
+    // An error in the case is reported on the command line instead of in the browser.
     case.with_groove().and_then(|case| case.problem(&settings)).map_err(in_file)?;
     note_unused(case.given());
     let mut beside = Vec::new();
@@ -51,7 +51,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the solver of saved pages, if it was built from the same sources as this program.
+/// Returns the solver for saved pages if it was built from the same sources as this program.
 fn page_solver() -> Result<PageSolver<'static>, Failure> {
     const VERSION: &str = env!("BSM_VERSION");
     const REMEDY: &str = "Run `crates/bsm-view/page-solver` in the source tree and build bsm again, or show the page without -o";

@@ -1,5 +1,5 @@
-//! Tables as Excel workbooks: rows below column names and units, and a sheet that describes the
-//! origin of the table. Only this module uses the workbook library.
+//! Tables as Excel workbooks: a sheet with column names, units and rows, and a sheet that describes
+//! the origin of the table. Only this module uses the workbook library.
 
 use std::sync::atomic::Ordering;
 use std::{env, io};
@@ -13,7 +13,7 @@ use serde_json::{Number, Value};
 
 use crate::files::FILE_TOO_LARGE;
 
-/// Maximum number of rows of a sheet below the rows with names and units.
+/// Maximum number of data rows in a sheet, below the rows with names and units.
 pub(crate) const MAX_ROWS: u64 = 1_048_574;
 
 /// Minimum and maximum column width \[characters\].
@@ -151,8 +151,8 @@ fn write(sheet: &mut Worksheet, row: u32, column: u16, entry: &Cell<'_>) -> Resu
     Ok(())
 }
 
-/// Largest integer up to which a double represents every integer exactly. Spreadsheets have no
-/// other number type.
+/// Limit up to which a double represents every integer exactly. Spreadsheets have no other number
+/// type.
 const MAX_EXACT_INTEGER: u64 = 1 << f64::MANTISSA_DIGITS;
 
 /// Writes a number. An integer that a spreadsheet would round is written as text.

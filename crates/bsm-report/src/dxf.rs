@@ -1,4 +1,4 @@
-//! Drawings in the format DXF release 12, which every CAD program can read.
+//! Drawings in DXF release 12, a format that every CAD program can read.
 
 use std::fmt::Write;
 
@@ -93,7 +93,7 @@ pub fn groove_dxf(section: &GrooveSection) -> String {
         let left = [180.0 - right[1], 180.0 - right[0]];
         dxf.arc(layer, (-k, -up * h), radius, right);
         dxf.arc(layer, (k, -up * h), radius, left);
-        // The first and the last segment of the outline are the lands next to the groove.
+        // The first and the last segment of the outline are the lands on both sides of the groove.
         if let [from, to, .., before, last] = outline[..] {
             dxf.line(layer, [from, to]);
             dxf.line(layer, [before, last]);
@@ -126,7 +126,8 @@ mod tests {
 
     use super::*;
 
-    /// Parses the entities of a DXF file. Each entity has a kind, and values with their codes.
+    /// Parses the entities of a DXF file. Each entity has a type and a list of group codes with
+    /// their values.
     fn entities(text: &str) -> Vec<(String, Vec<(u8, String)>)> {
         let lines: Vec<_> = text.lines().map(str::trim).collect();
         let pairs = lines.chunks(2).map(|pair| (pair[0].parse().expect("a code"), pair[1]));
@@ -160,7 +161,7 @@ mod tests {
         let layer = |of: &[(u8, String)]| of[0].1.clone();
         let lines = of("LINE");
         assert_eq!(of("ARC").len(), 4);
-        // The tolerance is a millionth of a millimeter. The file contains nine decimals.
+        // The tolerance is 1e-6 mm. The file contains nine decimals.
         let close = |a: f64, b: f64| (a - b).abs() < 1e-6;
         for arc in of("ARC") {
             let [x, y, radius, from, to] = [10, 20, 40, 50, 51].map(|code| number(arc, code));
@@ -172,8 +173,8 @@ mod tests {
             assert!(close(x.abs(), (radius - 5.0) * 45.0_f64.to_radians().sin()));
             assert!((x.abs() - section.centers[place].0).abs() < 1e-6);
             assert!(to > from && to - from < 90.0);
-            // One end of each arc is in the middle of the groove, and the other end is where a land
-            // begins.
+            // One end of each arc must be in the middle of the groove, and the other end must be
+            // where a land begins.
             let end = |deg: f64| {
                 (x + radius * deg.to_radians().cos(), y + radius * deg.to_radians().sin())
             };

@@ -21,7 +21,8 @@ impl Stroke {
 /// phone.
 const SIZE: (f64, f64) = (460.0, 330.0);
 
-/// Number of title characters that fit into a line, even in capitals, and the line height \[px\].
+/// Number of characters that fit into a line of the title, even in capitals, and the line height
+/// \[px\].
 const TITLE: usize = 34;
 const TITLE_LINE: f64 = 20.0;
 
@@ -29,8 +30,8 @@ const TITLE_LINE: f64 = 20.0;
 const ROW: f64 = 21.0;
 const COLUMN: usize = 18;
 
-/// Approximate number of points per curve that show their values when the pointer is on them. If
-/// more points reacted to the pointer, they would be too close together.
+/// Approximate number of points per curve that show their values when the pointer is on them. With
+/// more points, neighboring points would be too close together.
 const MAX_POINT_LABELS: usize = 16;
 
 /// Markers that distinguish lines without color, in the order of the colors. The first color has no
@@ -43,14 +44,14 @@ const SHAPES: [MarkerShape; 5] = [
     MarkerShape::Cross,
 ];
 
-/// Number of markers on a line, and size of a marker \[px\].
+/// Number of markers on each line, and size of a marker \[px\].
 const SHAPES_OF_LINE: usize = 5;
 const SHAPE_SIZE: f64 = 3.5;
 
-/// Legend texts: the meaning of each stroke, and the meaning of each color.
+/// Legend texts: strokes with their meanings, and color indices with their meanings.
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
-/// Color of the stroke samples in a legend, if a stroke occurs in several colors.
+/// Color of the line samples in a legend for strokes that occur in several colors.
 const GRAY: &str = "#777777";
 
 /// Factor by which a logarithmic axis extends beyond the outermost points.
@@ -187,17 +188,17 @@ impl Figure {
         if self.y.equal { Vec::new() } else { colors.into_iter().zip(SHAPES).collect() }
     }
 
-    /// Returns the meaning of each stroke and each color. This requires many curves with labels of
-    /// the form `a, b`, in which one part determines the stroke and the other part determines the
-    /// color.
+    /// Returns the meaning of each stroke and each color. Returns `None` unless the figure has many
+    /// curves with labels of the form `a, b`, in which one part determines the stroke and the other
+    /// part determines the color.
     fn strokes_and_colors(&self) -> Option<Parts<'_>> {
         self.parts(false).or_else(|| self.parts(true))
     }
 
     /// * `color_first`: true if the first part of each label determines the color.
     fn parts(&self, color_first: bool) -> Option<Parts<'_>> {
-        /// Maximum number of curves for which one legend list is easier to read than two lists of
-        /// strokes and colors.
+        /// Maximum number of curves for which a single legend list is easier to read than separate
+        /// lists of strokes and colors.
         const FEW: usize = 4;
         let (mut strokes, mut colors) = (Vec::new(), Vec::new());
         for curve in &self.curves {
@@ -228,8 +229,9 @@ pub(crate) fn svg_of(drawing: &Drawing) -> String {
     scalable(&renumbered(&svg))
 }
 
-/// Renumbers the clip paths of a figure. The plotting library numbers them across all figures of a
-/// process; with new numbers, the text of a figure does not depend on previous figures.
+/// Renumbers the clip paths of a figure. The plotting library numbers them consecutively across all
+/// figures of a process. Renumbering ensures that the text of a figure does not depend on previous
+/// figures.
 fn renumbered(svg: &str) -> String {
     const CLIP: &str = "kuva-clip-";
     let mut parts = svg.split(CLIP);
@@ -264,9 +266,10 @@ pub(crate) fn with_axes(layout: Layout, x: &PlotAxis, y: &PlotAxis) -> Layout {
     if y.log { layout.with_log_y() } else { layout }
 }
 
-/// Returns the format of the numbers along an axis. All numbers of an axis have the same form.
+/// Returns the format of the tick labels of an axis.
 ///
-/// * `log`: true for a logarithmic axis, on which powers of ten have rounding errors.
+/// * `log`: true for a logarithmic axis, where the tick values have rounding errors because they
+///   are powers of ten.
 fn tick(log: bool) -> TickFormat {
     TickFormat::Custom(Arc::new(move |value| {
         let digits = if log { 3 } else { 6 };
@@ -302,8 +305,8 @@ fn plot(curve: &Curve, points: &[(f64, f64)], color: &str) -> Plot {
     let marks = |marker| {
         let marks = ScatterPlot::new().with_data(points.to_vec()).with_color(color);
         let marks = marks.with_marker(marker).with_size(4.0);
-        // A curve with gaps is drawn in segments. Its point names are drawn only if one segment
-        // contains all points, because the list of names covers the whole curve.
+        // A curve with gaps is drawn in segments. The list of point names applies to the whole
+        // curve, so names are drawn only if one segment contains all points.
         Plot::Scatter(if curve.marks.len() == points.len() {
             marks.with_labels(curve.marks.clone()).with_repel_labels()
         } else {
@@ -337,8 +340,8 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
         Stroke::Triangles => LegendShape::Marker(MarkerShape::Triangle),
         Stroke::Solid | Stroke::Dashed | Stroke::Dotted => LegendShape::Line,
     };
-    // With the dashes of the line itself, the short line sample in the legend would show only one
-    // dash.
+    // With the dash pattern of the line itself, the short line sample in the legend would show only
+    // one dash.
     let dasharray = match stroke {
         Stroke::Dashed => Some("5 3".to_owned()),
         Stroke::Dotted => Some("2 3".to_owned()),
@@ -347,8 +350,8 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
     LegendEntry { label: label.to_owned(), color: color.to_owned(), shape, dasharray }
 }
 
-/// Lengthens the line samples in the legend, which the plotting library makes too short to
-/// distinguish strokes, and adds the markers.
+/// Lengthens the line samples in the legend and adds the markers. The plotting library makes the
+/// samples too short to distinguish strokes.
 fn lengthen_samples(drawing: &mut Drawing, shapes: &[(usize, MarkerShape)]) {
     const ADDED_LENGTH: f64 = 12.0;
     const MAX_SAMPLE_LENGTH: f64 = 30.0;
@@ -431,10 +434,10 @@ mod tests {
         }
     }
 
-    /// The legend for three loads and three models must list strokes and colors separately. It
-    /// previously had nine rows.
+    /// The legend for three loads and three models must list strokes and colors separately.
+    /// Regression test: this legend had nine rows.
     #[test]
-    fn a_legend_separates_strokes_and_colors() {
+    fn legend_lists_strokes_and_colors_separately() {
         let strokes = [(Stroke::Solid, "a"), (Stroke::Dashed, "b"), (Stroke::Dotted, "c")];
         let curve = |i: usize| {
             let (stroke, name) = strokes[i / 3];
@@ -459,10 +462,10 @@ mod tests {
         assert_eq!(figure.strokes_and_colors(), None);
     }
 
-    /// Lines with the same stroke and different colors must have markers, also in the legend. Lines
-    /// with different strokes need no markers.
+    /// Lines with the same stroke and different colors must have markers, both in the figure and in
+    /// the legend. Lines with different strokes need no markers.
     #[test]
-    fn lines_are_distinguishable_without_color() {
+    fn lines_can_be_distinguished_without_color() {
         let curve = |color: usize, stroke| {
             let points = (0..20).map(|x| (f64::from(x), 1.0)).collect();
             Curve::new(format!("curve {color}"), color, stroke, points)

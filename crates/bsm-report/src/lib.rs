@@ -1,4 +1,4 @@
-//! Figures, HTML pages and tables, and the sheets that consist of them.
+//! Figures, HTML pages and tables, and the reports that consist of them.
 
 mod dxf;
 mod error;

@@ -19,8 +19,8 @@ const BANDS: f64 = 9.0;
 /// logarithmic scale.
 const DECADES: f64 = 50.0;
 
-/// Lower end of the part of the color scale that is used (0: darkest color, 1: brightest color).
-/// Black lines are visible on all colors in this part.
+/// Lower limit of the used range of the color scale (0: darkest color, 1: brightest color). Black
+/// lines are visible on all colors above this limit.
 const DARKEST: f64 = 0.25;
 
 /// Color of cells without a value.
@@ -214,7 +214,8 @@ fn edges(values: &[f64], log: bool) -> (Vec<usize>, Vec<f64>) {
     let scaled = |place: &usize| if log { values[*place].ln() } else { values[*place] };
     let sorted: Vec<_> = order.iter().map(scaled).collect();
     let mut edges: Vec<_> = sorted.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect();
-    // If there is only one value, a cell is created around it.
+    // A single value has no neighbors, so its cell extends by 0.5 to both sides (on a logarithmic
+    // axis, in units of the logarithm).
     let first = edges.first().map_or(sorted[0] - 0.5, |edge| 2.0 * sorted[0] - edge);
     let last = sorted[sorted.len() - 1];
     let end = edges.last().map_or(last + 0.5, |edge| 2.0 * last - edge);
@@ -224,7 +225,7 @@ fn edges(values: &[f64], log: bool) -> (Vec<usize>, Vec<f64>) {
     (order, edges.into_iter().map(back).collect())
 }
 
-/// Limits of the color bands, which are round numbers.
+/// Limits of the color bands. All limits are round numbers.
 struct Bands(Vec<f64>);
 
 impl Bands {
@@ -245,7 +246,7 @@ impl Bands {
         let power = 10_f64.powf(rough.log10().floor());
         let step = [1.0, 2.0, 2.5, 5.0, 10.0].map(|digit| digit * power);
         let step = step.into_iter().find(|step| *step >= rough).unwrap_or(rough);
-        // The small offset compensates for rounding errors of decimal multiples of the step.
+        // The small offset compensates for the rounding errors of decimal multiples of the step.
         let (from, to) = ((low / step + 1e-9).floor(), (high / step + 1e-9).floor() + 1.0);
         #[expect(
             clippy::cast_possible_truncation,

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::{Figure, ReportError, number, short};
 
-/// Name and version of the program, as written into its files.
+/// Name and version of the program, as written into the files that it creates.
 pub const PROGRAM: &str = concat!("bsm ", env!("CARGO_PKG_VERSION"));
 
 /// Style sheet for all pages, in light and dark mode.
@@ -101,8 +101,8 @@ fn symbol(text: &str) -> String {
     text.split(' ').map(one).collect::<Vec<_>>().join("&#8202;")
 }
 
-/// Returns the paths and contents of the files for all figures: an SVG file and a table for each
-/// figure.
+/// Returns the paths and contents of the files for all figures. Each figure has an SVG file and a
+/// table.
 ///
 /// # Errors
 ///

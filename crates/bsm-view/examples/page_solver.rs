@@ -1,8 +1,9 @@
-//! The solver of a saved page. It reads one request from the standard input and writes the answer to
-//! the standard output. The page runs it as WebAssembly, once for each request.
+//! The solver of a saved page. It reads one request from standard input and writes the answer to
+//! standard output. The page runs it as WebAssembly, once for each request.
 //!
 //! The first line of the input is the route, and the rest is the body of the request. The output is
-//! an object with the member `answer`, or `error` with the message.
+//! an object with the member `answer` or, if the request is refused, with the member `error`, which
+//! contains the message.
 
 use std::io::{self, Read, Write};
 use std::sync::atomic::AtomicBool;

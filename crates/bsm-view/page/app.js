@@ -25,15 +25,15 @@ const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values),
 const beside = new Beside(at("beside"), { edit: (entries) => load(entries), changed: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
 let settings = { ...start.settings };
 
-/** Shows all pictures in the displayed units of a case. */
+/** Selects the display units of a case for all pictures. */
 const inUnitsOf = (entries) => display(start.schema.display[entries.display_units]);
 
 /** Returns the body of a request: the case and the settings. */
 const request = () => ({ case: inputs.case, settings });
 
-// --- Requests: one round at a time. If the case changes during a round, the next round starts when the current round ends. The
-// numbers are requested first, the pictures follow in the next frame, and the slow panels follow when the case no longer changes. A
-// change cancels the requests of slow panels.
+// --- Requests are sent in rounds, one round at a time. If the case changes during a round, the next round starts when the current
+// round ends. Each round first requests the numbers. The pictures follow in the next frame, and the slow panels follow when the case
+// no longer changes. Any change of the case cancels the requests for slow panels.
 let turn = 0, running = false, slow, late = new AbortController();
 
 function changed() {
@@ -64,7 +64,7 @@ async function follow() {
   }
   await drawn;
   running = false;
-  // The case changed while the last picture was drawn.
+  // If the case has changed while the last picture was drawn, a new round starts.
   if (asked !== turn) void follow(); else slow = setTimeout(() => void rest(), 120);
 }
 
@@ -130,21 +130,21 @@ async function rest() {
       (answer) => { if (!(answer instanceof Error)) { showKey(at("key"), answer);
         showLosses(at("losses"), answer, null); } }) : null,
   ]);
-  // The map uses all cores, so it comes last.
+  // The map is requested last, because its calculation uses all cores.
   if (!signal.aborted) await map.show(body, signal);
   if (signal.aborted) return;
   stale(["map"], false);
   document.documentElement.dataset.settled = String(Number(document.documentElement.dataset.settled ?? 0) + 1);
 }
 
-/** Opens the sheet of the axis as a page. */
+/** Opens the axis sheet as a separate page. */
 async function sheet(body) {
   const answer = await attempt("axis", { ...body, sheet: true });
   if (answer instanceof Error) complain(answer);
   return answer.sheet;
 }
 
-// --- The address contains the state of the page, so that a reload or a link restores it.
+// --- The address contains the state of the page, so that reloading the page or opening a link restores this state.
 const state = () => ({ case: inputs.case, settings, map: map.choice(), beside: beside.kept.map(({ case: entries }) => entries) });
 let usual, remembering;
 
@@ -156,7 +156,7 @@ function remember() {
   }, 150);
 }
 
-/** Restores the state from the address. */
+/** Restores the state of the page from the address. */
 function recall() {
   if (location.hash.length < 2) return false;
   try {
@@ -196,7 +196,7 @@ at("copy").addEventListener("click", async () => {
     say(at("copy"), "Select and copy"); }
 });
 at("reset").addEventListener("click", () => load(start.case));
-// Saves to the file of the option -o, or as a download of the browser.
+// Saves the case to the file that the option -o specifies. Without this option, the browser downloads the case.
 at("save").addEventListener("click", async () => {
   if (!start.save) { download("case.json", new Blob([`${at("json").value}\n`], { type: "application/json" })); return; }
   const answer = await attempt("save", request());

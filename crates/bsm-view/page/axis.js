@@ -1,10 +1,10 @@
-// The feed axis of the screw: its rules, its numbers and its sheet.
+// Panel of the feed axis: its rules, its results and its sheet.
 
 import { html, number, interval, none, table, unitOf } from "bsm/draw";
 import { groups, remarks } from "bsm/nut";
 import { download } from "bsm/save";
 
-/** Shows the answer for the axis. `sheet` opens the sheet as a page. */
+/** Shows the answer for the axis. `sheet` is a function that opens the axis sheet as a separate page. */
 export function showAxis(host, answer, sheet) {
   if (answer instanceof Error) { host.replaceChildren(none(answer.message)); return; }
   const rules = answer.rules.filter(({ limit }) => limit != null), failed = rules.filter(({ passes }) => passes === false).length;

@@ -1,4 +1,4 @@
-// Comparison of cases: the inputs that differ, and the numbers of each case.
+// Comparison of cases: the inputs that differ, and the results of each case.
 
 import { html, shown, shownUnit, unitOf } from "bsm/draw";
 import { start } from "bsm/source";
@@ -6,7 +6,7 @@ import { start } from "bsm/source";
 const LABEL = new Map(start.schema.inputs.map(({ name, label, unit }) => [name, [label, unit]]));
 
 export class Beside {
-  /** `edit` is called with a case to show, and `changed` is called when the kept cases change. */
+  /** `edit` is called with the case to show, and `changed` is called when the list of kept cases changes. */
   constructor(host, { edit, changed }) {
     Object.assign(this, { host, edit, changed, kept: [] });
     const keep = html("button", { type: "button", onclick: () => { this.add(this.case, this.solved); changed(); } }, "Keep this case");
@@ -15,10 +15,10 @@ export class Beside {
       html("span", { class: "small faint" }, "Then change the inputs. Each kept case remains as a column of the table.")), this.stage);
   }
 
-  /** Keeps a case. If `solved` is missing, the results are requested later. */
+  /** Adds a case to the comparison. If its results `solved` are missing, they are requested later. */
   add(entries, solved = null) { this.kept.push({ case: structuredClone(entries), solved }); }
 
-  /** Replaces the kept cases. */
+  /** Replaces all cases in the comparison. */
   take(cases) {
     this.kept = [];
     for (const { case: entries } of cases) this.add(entries);
@@ -46,7 +46,7 @@ export class Beside {
       name !== "description" && new Set(columns.map(({ case: entries }) => written(entries[name]))).size > 1);
     const line = (label, unit, values, kind = "number") => html("tr", {}, html("th", { scope: "row" }, label),
       html("td", { class: "faint" }, unitOf(unit)), values.map((value) => html("td", { class: kind }, value)));
-    /** Creates the row of an input, in its displayed unit. */
+    /** Creates the table row of an input, in its display unit. */
     const given = (name) => {
       const [label, unit] = LABEL.get(name) ?? [name.replaceAll("_", " "), ""];
       const value = (own) => { const other = shown(own, unit); return other === own ? own : Number(other.toPrecision(6)); };

@@ -1,6 +1,6 @@
-// Common parts of all pictures: numbers as on the command line, elements, axes and colors.
+// Functions that all pictures use: numbers formatted as on the command line, elements, axes and colors.
 
-/** Rounds to a number of decimal places, with ties to even, like the program. */
+/** Rounds a value to a given number of decimal places, with ties to even, like the program. */
 function fixed(value, decimals) {
   const up = value.toFixed(decimals);
   const exact = value.toFixed(Math.min(100, decimals + 45)).split(".")[1] ?? "";
@@ -17,7 +17,7 @@ export function number(value) {
   return fixed(value, Math.max(0, 4 - Math.floor(Math.log10(size))));
 }
 
-/** Formats the 90 % interval of a number over the possible grooves; empty without an interval. */
+/** Formats the 90 % interval of a number over the possible grooves. Returns an empty text if there is no interval. */
 export const interval = (ends) => (ends ? ` (${number(ends[0])} to ${number(ends[1])})` : "");
 
 /** Formats a number of an answer by name, with its 90 % interval over the possible grooves. */
@@ -79,7 +79,7 @@ export function color(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
-// Viridis in eleven steps: lightness changes evenly, and readers with color blindness can distinguish the colors.
+// The color scale viridis in eleven steps. Its lightness changes evenly, so readers with color blindness can read it.
 const RAMP = [[68, 1, 84], [72, 36, 117], [65, 68, 135], [53, 95, 141], [42, 120, 142], [33, 145, 140], [34, 168, 132],
   [68, 191, 112], [122, 209, 81], [189, 223, 38], [253, 231, 37]];
 
@@ -173,40 +173,40 @@ export function table(caption, head, rows, attributes = {}) {
 /** Formats a unit with its usual symbols. */
 export const unitOf = (unit) => unit.replace(/\bum\b/, "µm").replace(/\buin\b/, "µin").replace(/\bdegF\b/, "°F").replace(/^C$/, "°C");
 
-/** Displayed units that differ from the units of the program: text, factor and zero by unit. */
+/** Display units that differ from the units of the program. Each unit has a text, a factor and a zero point. */
 let displayed = {};
 
-/** Sets the displayed units of all pictures. */
+/** Sets the display units of all pictures. */
 export const display = (units) => { displayed = units ?? {}; };
 
-/** Returns a number in its displayed unit. */
+/** Converts a number to its display unit. */
 export const shown = (value, unit) => {
   const [, factor, zero] = displayed[unit] ?? [];
   return factor === undefined || typeof value !== "number" ? value : value / factor + zero;
 };
 
-/** Converts a displayed number back to the unit of the program. */
+/** Converts a number from its display unit to the unit of the program. */
 export const own = (value, unit) => {
   const [, factor, zero] = displayed[unit] ?? [];
   return factor === undefined ? value : factor * (value - zero);
 };
 
-/** Returns numbers in their displayed unit. */
+/** Converts a list of numbers to their display unit. */
 export const shownAll = (values, unit) => values.map((value) => shown(value, unit));
 
-/** Returns the text of the displayed unit. */
+/** Returns the text of the display unit. */
 export const shownUnit = (unit) => unitOf(displayed[unit]?.[0] ?? unit);
 
-/** Formats a number in its displayed unit, with its 90 % interval over the possible grooves. */
+/** Formats a number in its display unit, with its 90 % interval over the possible grooves. */
 export const measuredNumber = (value, unit, ends) => `${number(shown(value, unit))}${interval(ends && shownAll(ends, unit))}`;
 
-/** Formats a number with its displayed unit, with its 90 % interval over the possible grooves. */
+/** Formats a number together with its display unit and its 90 % interval over the possible grooves. */
 export const measured = (value, unit, ends) => `${measuredNumber(value, unit, ends)} ${shownUnit(unit)}`.trim();
 
 /** Formats a quantity of an answer by name, with its unit and its 90 % interval over the possible grooves. */
 export const measuredOf = (answer, name, unit) => measured(answer[name], unit, answer.groove_estimate?.intervals?.[name]);
 
-/** Returns the label of an axis with the displayed unit. */
+/** Returns the label of an axis with the display unit. */
 export const labeled = (words, unit) => (unit ? `${words}, ${shownUnit(unit)}` : words);
 
 /** Creates a table row with a label, a unit and values as text. */

@@ -8,7 +8,7 @@ const FIELDS = {
   friction: ["ratio of friction to pressure", "", (c, i) => c.friction_along[i] === null ? null : Math.hypot(c.friction_along[i], c.friction_across[i])],
 };
 
-/** Returns the slip speeds at all points. They are 0 outside the ellipse. */
+/** Returns the slip speeds at all grid points. Outside the ellipse, the speed is 0. */
 const speeds = (c) => c.slip_along_m_s.map((_, i) => FIELDS.slip[2](c, i) ?? 0);
 
 /** Returns the fields as columns of a table. The columns `across` and `along` contain the position relative to the semi-axes. */
@@ -82,7 +82,7 @@ export class Ellipses {
     const g = sharp(canvas, width, height), n = contact.places.length;
     const rx = (width / 2 - 8) * (contact.semi_axes_mm[0] / widest), ry = height / 2 - 8, cx = width / 2, cy = height / 2;
     const ink = color("ink"), hot = color("hot");
-    // Draws the field with one pixel per point. The field is extended beyond the edge of the ellipse, so that smoothing does not
+    // The field is drawn with one pixel per grid point. It is extended beyond the edge of the ellipse, so that smoothing does not
     // darken the edge.
     const image = new ImageData(n, n);
     const near = (i, j) => {

@@ -7,7 +7,7 @@ const { schema } = start;
 const INPUT = new Map(schema.inputs.map((input) => [input.name, input]));
 const STEPS = 1000;
 
-/** Returns the possible values of an input that is not a number: the entries of a list, or true and false. */
+/** Returns the permitted values of an input that is not a number: the entries of a list, or true and false. */
 const choices = (name) => { const { enum: words, type } = schema.input.properties[name]; return words ?? (type?.includes("boolean") ? [true, false] : null); };
 /** Names of the inputs with a list of possible values, or with the values true and false. They belong to the nut unless `GROUPED` lists them. */
 const WORDS = Object.keys(schema.input.properties).filter((name) => !INPUT.has(name) && choices(name));
@@ -31,7 +31,7 @@ function rangeOf(name, value) {
   return { low: Math.max(-2 * size, low), high: 2 * size, log: false, whole };
 }
 
-/** The form. `changed(case)` is called after every change. */
+/** The input form. `changed(case)` is called after every change. */
 export class Inputs {
   constructor(form, changed) {
     Object.assign(this, { form, changed, fields: new Map(), units: new Map() });
@@ -69,7 +69,7 @@ export class Inputs {
     const { name } = input, id = `in-${name}`;
     const range = this.ranges.get(name) ?? this.rangeFor(name);
     this.ranges.set(name, range);
-    // A field begins with the displayed unit of the case.
+    // Initially, a field has the display unit of the case.
     const [, factor, zero] = schema.display[this.case.display_units]?.[input.unit] ?? [];
     const usual = input.units.find(([, size, from]) => size === factor && from === zero);
     if (usual && !this.units.has(name)) this.units.set(name, usual);
@@ -136,12 +136,12 @@ export class Inputs {
 
   set(name, value, from) {
     if (value == null) delete this.case[name]; else this.case[name] = value;
-    // A field stays in place after it was cleared.
+    // A field remains on the page after the user has cleared it.
     this.refresh(name, from);
     this.changed(this.case);
   }
 
-  /** Sets values from outside the form, for example from the cross of the map. */
+  /** Sets inputs that were changed outside the form, for example by moving the cross in the map. */
   put(values) {
     Object.assign(this.case, values);
     for (const name of Object.keys(values)) this.refresh(name);

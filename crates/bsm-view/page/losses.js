@@ -27,13 +27,13 @@ export function showLosses(host, result, slip) {
   const phone = narrow(), longest = Math.max(31, ...rows.map(([words]) => words.length)),
     [left, width, row, top, base] = phone ? [2, 340, 40, 18, 13] : [8 + 7 * longest, 560, 27, 4, 17],
     high = Math.max(total, ...rows.map(([, value]) => value)), low = Math.min(0, ...rows.map(([, value]) => value));
-  // The numbers follow the bars. Numbers with intervals are longer.
+  // The numbers are to the right of the bars. Numbers with intervals need more space.
   const room = result.groove_estimate ? 180 : 78;
   const x = (v) => left + ((v - low) / (high - low || 1)) * (width - left - room - 0.12 * (width - left));
   const bar = (y, value, paint) => svg("g", {},
     svg("rect", { x: Math.min(x(0), x(value)), y, width: Math.max(Math.abs(x(value) - x(0)), 0.8), height: 18,
       fill: paint, rx: 2 }));
-  // With a lubricant, the line shows the 90 % interval. With a friction coefficient, it shows the error bound.
+  // If the case has a lubricant, the line shows the 90 % interval. With a friction coefficient, it shows the error bound.
   const oil = result.sliding_power_W != null, contacts = oil ? result.sliding_power_W + result.rolling_power_W : 0;
   const ratio = result.band?.contact_loss_ratio;
   const drawn = ratio && [ratio.low, ratio.high].map((end) => total + (end - 1) * contacts), bound = oil ? null : result.loss_error_bound;

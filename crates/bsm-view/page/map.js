@@ -1,10 +1,10 @@
-// A map of any output over any two inputs, with the operating point.
+// A map of any output as a function of any two inputs, with the operating point.
 
 import { html, svg, text, number, shown, shownAll, shownUnit, own, labeled, measured, brief, parsed, ramp, rampBar, scale, axes, sharp, none, path } from "bsm/draw";
 import { start } from "bsm/source";
 
 const PAD = { left: 66, top: 10, right: 14, bottom: 44 };
-// Numbers of points per side: a coarse map is shown first, followed by the finest map within the time limit [ms].
+// Numbers of points per side. A coarse map is shown first, followed by the finest map that does not exceed the time limit [ms].
 const COARSE = 24, FINER = [100, 60, 40];
 const PATIENCE = 1600;
 
@@ -74,7 +74,7 @@ export class ModelMap {
     this.fields.replaceChildren(...[this.x, this.y].map(row).filter(Boolean));
   }
 
-  /** Updates the map after other inputs were selected. */
+  /** Updates the map after the user has selected other inputs. */
   other() {
     this.drawFields(this.case);
     this.again();
@@ -86,7 +86,7 @@ export class ModelMap {
     if (names[0] === names[1] || names.some((name) => entries[name] == null)) { this.refuse("The map needs two different inputs that the case contains."); return; }
     const vary = (count) => names.map((name) => { const { low, high, log } = this.range(name, entries[name]);
       return `${name}=${low}:${high}:${count}${log && low > 0 ? ":log" : ""}`; });
-    // The map does not depend on the position of the operating point within it.
+    // The map does not depend on the inputs on its axes, so moving the operating point does not change the map.
     const key = JSON.stringify([{ ...entries, [names[0]]: null, [names[1]]: null }, body.settings, vary(0), this.output.value]);
     if (key === this.key) return;
     const draw = async (count) => {
@@ -99,7 +99,7 @@ export class ModelMap {
     };
     try {
       const took = await draw(COARSE), finer = took !== null && FINER.find((count) => took * (count / COARSE) ** 2 < PATIENCE);
-      // If the fine map takes longer than expected and fails, the coarse map stays.
+      // If the fine map takes too long and is stopped, the coarse map remains visible.
       if (finer) await draw(finer).catch(() => null);
       if (!signal.aborted) this.key = key;
     } catch (error) { if (!signal.aborted) this.refuse(error.message); }
@@ -110,7 +110,7 @@ export class ModelMap {
     this.stage.replaceChildren(none(words)); this.under.replaceChildren();
   }
 
-  /** Moves the cross to a case. */
+  /** Moves the cross to the operating point of a case. */
   point(entries) {
     this.case = entries;
     if (this.cross) this.place();
@@ -145,7 +145,7 @@ export class ModelMap {
       "aria-label": `Map of ${outputWords} as a function of ${words(ax)} and ${words(ay)}, from ${number(low)} to ${number(high)}` });
     this.stage.replaceChildren(canvas, overlay);
     const g = sharp(canvas, width, height);
-    // Each point fills the area up to halfway to its neighbors.
+    // The colored area of each point extends halfway to its neighbors.
     const image = new ImageData(nx, ny);
     for (let i = 0; i < nx; i += 1) for (let j = 0; j < ny; j += 1) {
       const v = values[i * ny + j], at = 4 * ((ny - 1 - j) * nx + i);
@@ -270,7 +270,7 @@ export class ModelMap {
   }
 }
 
-/** Returns up to seven levels, rounded to three digits, with about the same number of points between them. */
+/** Returns up to seven contour levels, rounded to three digits. About the same number of points is between any two levels. */
 function levels(values, low, high) {
   if (!(high > low)) return [];
   const sorted = values.filter((v) => v !== null).sort((a, b) => a - b);
@@ -282,7 +282,7 @@ function levels(values, low, high) {
   return list;
 }
 
-/** Returns a scale whose values are in the displayed unit, at the same positions. */
+/** Returns a scale with the same positions, whose values are in the display unit. */
 function shownScale(place, unit) {
   const [low, high] = place.domain;
   return scale(shownAll(place.domain, unit), [place(low), place(high)], place.log);

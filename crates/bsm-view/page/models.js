@@ -1,4 +1,4 @@
-// One point solved with every model.
+// Comparison of all models at one operating point.
 
 import { html, measuredNumber, labeled, table, none } from "bsm/draw";
 import { served } from "bsm/source";
@@ -6,12 +6,12 @@ import { served } from "bsm/source";
 const COLUMNS = [["efficiency", "efficiency", ""], ["ball_torque_Nm", "torque", "N m"], ["dissipated_power_W", "heat", "W"],
   ["nut_normal_load_N", "normal load at the nut", "N"], ["nut_contact_angle_deg", "contact angle at the nut", "°"],
   ["screw_contact_angle_deg", "contact angle at the screw", "°"],
-  // The clock of a browser is too coarse for the solver in a saved page.
+  // In a saved page, no computing times are shown, because the clock of a browser is too coarse to measure them.
   ...(served ? [["time_us", "time", "µs"]] : [])];
 
 export function showModels(host, answer, solved) {
   if (answer instanceof Error) { host.replaceChildren(none(answer.message)); return; }
-  // Intervals over the possible grooves, one object for each model.
+  // 90 % intervals over the possible grooves, one object for each model.
   const ends = answer.groove_estimate?.intervals?.models ?? [];
   const rows = answer.models.map((model, place) => html("tr", { class: model.model === solved?.model ? "here" : null }, html("th", { scope: "row" }, model.model),
     model.status === "converged" ?
@@ -28,6 +28,6 @@ export function showModels(host, answer, solved) {
   host.replaceChildren(html("p", {}, html("strong", {}, "Regime: "), answer.regime ?? "unknown, because no model has a solution here"),
     table("All models whose inputs are given", ["model", ...COLUMNS.map(([, words, unit]) => labeled(words, unit))], rows),
     left.length ? html("p", { class: "small faint" }, `Not compared: ${left.join("; ")}.`) : "",
-    // The first note is the estimate, which the key numbers already show.
+    // The first note describes the groove estimate, which is already shown at the top of the page.
     ...(answer.groove_estimate ? answer.notes.slice(1) : []).map((note) => html("p", { class: "small faint" }, note)));
 }

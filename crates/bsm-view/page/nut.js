@@ -17,10 +17,10 @@ export function showNut(host, answer) {
     html("details", {}, html("summary", {}, "Numbers of the nut"), html("div", { class: "tables" }, groups(answer.shown))));
 }
 
-/** Units of the columns that the pictures show, by the ends of their names. The longest end comes first. */
+/** Units of the plotted columns, by the suffix of the column name. Longer suffixes come first. */
 const UNITS = [["_N_um", "N/um"], ["_N", "N"], ["_mm", "mm"], ["_um", "um"], ["_C", "C"]];
 
-/** Returns columns in their displayed units. */
+/** Converts columns to their display units. */
 const inUnits = (columns) => Object.fromEntries(Object.entries(columns).map(([name, values]) => {
   const unit = UNITS.find(([end]) => name.endsWith(end))?.[1];
   return [name, unit && Array.isArray(values) ? shownAll(values, unit) : values];
@@ -72,9 +72,9 @@ function developed(balls) {
     rampBar(low, high, labeled("load", "N")));
 }
 
-/** Draws the speeds and the advance of the balls along the helix. If the gap is given, it also shows the balls that touch and their forces. */
+/** Draws the speeds and the advance of the balls along the helix and, if the gap is given, touching balls and their forces. */
 function train(balls, answer) {
-  // If all balls move identically, their advance is a rounding error far below a nanometer.
+  // If all balls move identically, the calculated advance is only a rounding error, far below a nanometer.
   if (!(answer.needed_gap_mm > 1e-6)) return null;
   const [width, , [left, top, right]] = sizes(), trains = answer.circuits ?? [];
   const rates = balls.free_rate.filter((rate) => rate != null), mean = rates.reduce((sum, rate) => sum + rate, 0) / rates.length;

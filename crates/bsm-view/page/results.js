@@ -1,4 +1,4 @@
-// The numbers: the most important numbers at the top of the page, and all numbers at its end.
+// The results of a case: the most important numbers at the top of the page, and all numbers at its end.
 
 import { html, number, interval, brief, table, row, none, unitOf, shown, shownAll, shownUnit } from "bsm/draw";
 import { start } from "bsm/source";
@@ -39,7 +39,7 @@ export function showKey(host, result) {
     ...(band ? [html("p", { class: "small" },
       `90 % interval of the torque for the uncertain oil properties: ${number(shown(band.ball_torque_Nm.low, "N m"))} to ${number(shown(band.ball_torque_Nm.high, "N m"))} ${shownUnit("N m")}.`)]
       : []),
-    // The first note is the estimate.
+    // The first note describes the groove estimate.
     ...(result.groove_estimate ? [html("p", { class: "small" }, `${result.notes[0]} Pictures and maps show the best groove only.`)] : []),
     ...warnings(result));
 }

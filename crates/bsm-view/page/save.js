@@ -12,7 +12,7 @@ export function download(name, blob) {
 const STYLES = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "opacity",
   "font-family", "font-size", "font-weight", "text-anchor", "paint-order"];
 
-/** Returns a copy of a picture that needs no style sheet. `below` is a canvas below the picture, such as the colors of the map. */
+/** Returns a copy of a picture that needs no style sheet. `below` is the canvas behind the picture, such as the colors of a map. */
 function alone(drawing, below) {
   const copy = drawing.cloneNode(true), to = [copy, ...copy.querySelectorAll("*")];
   [drawing, ...drawing.querySelectorAll("*")].forEach((element, i) => {
@@ -62,7 +62,7 @@ function files(panel) {
     !canvas.nextElementSibling?.matches("svg")) list.push([`${name(canvas, "")}.png`, () => png(canvas)]);
   for (const table of panel.querySelectorAll("table")) list.push([`${named(`${title} ${table.caption?.textContent ?? ""}`)}.csv`,
     () => new Blob([csv(cells(table))], { type: "text/csv" })]);
-  // The tables with the data of the pictures follow.
+  // After the pictures, the tables with their data are added.
   for (const [words, columns] of Object.entries(panel.querySelector("h2 ~ div[id]").columns?.() ?? {})) {
     const heads = Object.keys(columns);
     list.push([`${named(`${title} ${words}`)}.csv`,
@@ -72,7 +72,7 @@ function files(panel) {
   return list;
 }
 
-/** Creates a fold in the heading of a panel, with a button for each file. */
+/** Creates a collapsible menu in the heading of a panel, with a button for each file. */
 export function offer(panel) {
   const list = html("div", { class: "bar" }), title = panel.querySelector("h2");
   const fold = html("details", { class: "keep" }, html("summary", { "aria-label": `Save: ${title.textContent}` }, "Save"), list);

@@ -5,7 +5,7 @@ import { html, svg, text, picture, path, number, measured, legend, none, narrow 
 const DEG = Math.PI / 180;
 
 export function showSection(host, given, result) {
-  // The inputs of the result include an estimated groove.
+  // If the groove is estimated, the result contains the estimated inputs.
   const entries = { ...given, ...result.inputs };
   const ball = entries.ball_diameter_mm;
   if (!ball) { host.replaceChildren(none("To draw the section, give ball_diameter_mm.")); return; }
@@ -19,7 +19,7 @@ export function showSection(host, given, result) {
   const clip = svg("clipPath", { id: "section-clip" }, svg("rect", { x: 0, y: 0, width: width, height: height }));
   const metal = { fill: "var(--metal)", stroke: "var(--metal-edge)", "clip-path": "url(#section-clip)" };
   const grooves = section ? [svg("path", { d: body(section.nut, -50), ...metal }), svg("path", { d: body(section.screw, height + 50), ...metal })] : [];
-  // The nut is above the ball, and its contact is at the top. The contact with the screw is on the opposite side.
+  // The nut is drawn above the ball, so its contact is at the top. The contact with the screw is on the opposite side.
   const places = [["nut", -1, 1, "--c1"], ["screw", 1, -1, "--c2"]];
   const marks = [];
   const start = section?.contact_angle_deg ?? entries.contact_angle_deg;

@@ -1,13 +1,13 @@
 // The solver of a saved page: a WebAssembly module that runs in workers.
 
-/** Maximum number of requests that are answered at the same time. */
+/** Maximum number of requests that are processed at the same time. */
 const MAX_RUNNING = Math.max(2, navigator.hardwareConcurrency ?? 2);
-/** Time limit for an answer [s]. Warm states of all possible grooves take the longest time. */
+/** Time limit for an answer [s]. The calculation of warm states for all possible grooves takes the longest time. */
 const TIME_LIMIT = 120;
 
 /**
- * The program of a worker. It answers each request with a new instance of the module, which reads the request from its standard
- * input and writes the answer to its standard output, by the interface WASI.
+ * The program of a worker. For each request, it creates a new instance of the module. Through the interface WASI, the instance reads
+ * the request from its standard input and writes the answer to its standard output.
  */
 function work() {
   const run = async (module, request) => {
@@ -52,7 +52,7 @@ function work() {
   };
 }
 
-/** Unpacks and compiles the module in the page. */
+/** Decompresses and compiles the module that the page contains. */
 async function compile() {
   const packed = Uint8Array.from(atob(document.getElementById("solver").textContent), (letter) => letter.charCodeAt(0));
   const plain = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
@@ -62,12 +62,12 @@ async function compile() {
 let compiled, address, running = 0;
 const idle = [], waiting = [];
 
-/** Starts requests that are waiting, as far as the maximum number permits. */
+/** Starts waiting requests until the maximum number of requests is running. */
 function next() {
   while (waiting.length && running < MAX_RUNNING) waiting.shift()();
 }
 
-/** Returns the text of an answer. `signal` stops the calculation. */
+/** Returns the answer to a request as text. `signal` stops the calculation. */
 export async function solved(route, body, signal) {
   const module = await (compiled ??= compile());
   address ??= URL.createObjectURL(new Blob([`(${work})()`], { type: "text/javascript" }));

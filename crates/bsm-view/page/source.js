@@ -1,10 +1,10 @@
-// The source of answers: the server of this page, or the solver in the saved file.
+// Requests answers from the server of this page or, in a saved page, from the solver in the file.
 
 import { solved } from "bsm/solver";
 
 export const start = JSON.parse(document.getElementById("start").textContent);
 
-/** True if a server answers the requests. Otherwise this file contains the solver. */
+/** True if a server answers the requests; false if this file contains the solver. */
 export const served = start.token !== undefined;
 
 /** The request violates a rule. The message is the same as on the command line. */
@@ -15,10 +15,10 @@ export class Gone extends Error {
   constructor() { super("The server has ended. Start `bsm view` again and open its new address. This page keeps its last numbers."); }
 }
 
-/** Identifies this page to the server. */
+/** Random id with which this page identifies itself to the server. */
 const tab = served ? crypto.randomUUID() : "";
 
-/** Sends a request to the server. A later turn of this page cancels requests of earlier turns. */
+/** Sends a request to the server. The server cancels requests from this page that have a lower `turn`. */
 async function fromServer(route, body, turn, signal) {
   let response;
   const headers = { "Content-Type": "application/json", "X-Bsm-Token": start.token, "X-Bsm-Turn": `${tab}/${turn}` };
@@ -29,7 +29,7 @@ async function fromServer(route, body, turn, signal) {
   }
   const answer = await response.json();
   if (!response.ok) throw new Refused(answer.error);
-  // Time of the server [ms]. Some answers are null.
+  // Computing time on the server [ms]. Some answers are null and store no time.
   if (answer) answer.took = Number(response.headers.get("Server-Timing")?.match(/dur=([\d.]+)/)?.[1] ?? 0);
   return answer;
 }
@@ -38,7 +38,7 @@ async function fromServer(route, body, turn, signal) {
 async function fromFile(route, body, turn, signal) {
   const began = performance.now(), { answer, error } = JSON.parse(await solved(route, JSON.stringify(body), signal));
   if (error !== undefined) throw new Refused(error);
-  // Time until the answer has arrived [ms].
+  // Time from the request to the answer [ms].
   if (answer) answer.took = performance.now() - began;
   return answer;
 }

@@ -7,12 +7,12 @@ import { html, svg, picture, number, shown, measured, labeled, brief, none, ramp
 const DEG = Math.PI / 180, TURN = 2 * Math.PI;
 /** Speed of the faster of screw and nut in the animation [rev/s]. */
 const SHOWN = 0.1;
-/** Frame time above which a machine is slow, and pause between frames on a slow machine [ms]. */
+/** Frame time above which a machine counts as slow, and pause between frames on a slow machine [ms]. */
 const QUICK = 20, PAUSE = 120;
 
 /** Returns the dimensions of a case in millimeters. */
 function sizes(given, solved, nut) {
-  // The inputs of the result include an estimated groove.
+  // If the groove is estimated, the result contains the estimated inputs.
   const entries = { ...given, ...solved.inputs };
   const ball = entries.ball_diameter_mm, pitch = entries.pitch_circle_diameter_mm, angle = solved.lead_angle_deg;
   if (!ball || !pitch || angle == null) return null;
@@ -47,12 +47,12 @@ function profile({ ball, pitch, section }, member) {
   } };
 }
 
-/** A threaded surface between two ends, made of lines along the thread. The lines are close together where the groove is steep. */
+/** A thread surface between two ends, made of lines along the helix. The lines are close together where the groove is steep. */
 class Thread {
   constructor({ lead, starts, middle }, { edge, at }, [low, high]) {
     const step = lead / starts, most = Math.abs(step) / 2, deep = Math.min(edge, most);
     const lines = Array.from({ length: 13 }, (_, i) => deep * Math.sin(((i - 6) * Math.PI) / 12));
-    // A narrow strip beyond the edge keeps the shading of the land uniform.
+    // A narrow strip next to the edge of the groove keeps the shading of the land uniform.
     const land = Math.min(deep + 0.03 * most, most);
     this.offsets = [-land, ...lines, land].map((s) => [s, at(s)]);
     Object.assign(this, { step, lead, middle, at, low, high });
@@ -66,7 +66,7 @@ class Thread {
     return this.at((turns - Math.round(turns)) * this.step);
   }
 
-  /** Returns positions along the axis with their radii. Every angle has the same number of positions. */
+  /** Returns the positions along the axis at an angle, with their radii. The number of positions is the same for every angle. */
   places(theta) {
     const list = [], { low, high } = this;
     for (let k = this.turns[0]; k <= this.turns[1]; k += 1) for (const [s, r] of this.offsets) {
@@ -89,7 +89,7 @@ class Thread {
     return geometryOf(positions, index);
   }
 
-  /** Returns the face at which the nut is cut open. */
+  /** Creates the cut face of the nut. */
   wall(theta, outer) {
     const positions = [], index = [];
     this.places(theta).forEach(([z, r], j) => {
@@ -99,7 +99,7 @@ class Thread {
     return geometryOf(positions, index);
   }
 
-  /** Returns the end face of the nut. */
+  /** Creates an end face of the nut. */
   ring([from, to], outer, z) {
     const positions = [], index = [], n = 60;
     for (let i = 0; i <= n; i += 1) {
@@ -114,7 +114,7 @@ class Thread {
 export class Space {
   constructor(host) {
     this.host = host; this.one = this.held = false; this.time = 0;
-    // The machine counts as slow until a frame has been measured.
+    // The machine counts as slow until the time of a frame has been measured.
     this.slow = true; this.playing = false;
     this.whole = html("button", { type: "button", "aria-pressed": true, onclick: () => this.look(false) }, "Whole screw");
     this.single = html("button", { type: "button", "aria-pressed": false, onclick: () => this.look(true) }, "One ball");
@@ -149,7 +149,7 @@ export class Space {
     document.addEventListener("visibilitychange", () => this.loop());
   }
 
-  /** Pauses the frames of a slow machine while values change, because the numbers have priority. */
+  /** Pauses drawing on a slow machine while inputs change, because updating the numbers has priority. */
   hold(on) {
     if (!this.slow || on === this.held) return;
     this.held = on;
@@ -162,7 +162,7 @@ export class Space {
   measure() {
     const gl = this.renderer.getContext(), began = performance.now();
     this.paint();
-    // This call waits for the frame.
+    // This call waits until the frame has been drawn.
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
     this.slow = performance.now() - began > QUICK; this.measured = true;
     if (!this.slow && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.play.click();
@@ -245,7 +245,7 @@ export class Space {
     for (const z of [-end, end]) { const cap =
       new three.Mesh(new three.CylinderGeometry(f.pitch / 2 - 0.35 * f.ball, f.pitch / 2 - 0.35 * f.ball, 0.02, 64),
         steel); cap.rotation.x = Math.PI / 2; cap.position.z = z; this.screw.add(cap); }
-    // The nut is cut open on the side of the viewer.
+    // The nut is cut open on the side that faces the viewer.
     const open = [0.42 * Math.PI, 1.62 * Math.PI], outer = f.pitch / 2 + 1.55 * f.ball, metal = this.metal("metal", { metalness: 0.15 });
     const inside = new Thread(f, profile(f, "nut"), [-reach, reach]);
     this.shell = add(new three.Group());
@@ -284,7 +284,7 @@ export class Space {
     };
     this.globe = add(new three.Group());
     this.globe.add(new three.Mesh(new three.SphereGeometry(r, 48, 32), this.metal("steel", { transparent: true, opacity: 0.88 })));
-    // Circles on the ball make its rotation visible.
+    // The circles on the ball make its rotation visible.
     const axis = omega && Math.hypot(...omega) > 0 ? mix(omega).normalize() : frame.b;
     const circle = (k) => { const points = [];
       for (let i = 0; i <= 96; i += 1) { const a = (TURN * i) / 96;
@@ -339,7 +339,7 @@ export class Space {
     if (this.one) { if (rate.omega) this.globe.quaternion.setFromAxisAngle(this.axis, Math.hypot(...rate.omega) * time); }
     else {
       this.screw.rotation.z = rate.screw * time; this.shell.rotation.z = rate.nut * time;
-      // The balls advance along the helix of the nut, each to the position of the next ball, and then start again.
+      // Each ball moves along the helix of the nut to the initial position of the next ball, and then starts again.
       const run = (((((rate.ball ?? rate.screw / 2) - rate.nut) * time) % this.gap) + this.gap) % this.gap, place = new three.Matrix4();
       found.balls.forEach((ball, i) => { const theta = ball.theta + run + rate.nut * time;
         place.makeTranslation((found.pitch / 2) * Math.cos(theta), (found.pitch / 2) * Math.sin(theta),
@@ -373,7 +373,7 @@ function drawing(f, part, label) {
   const width = 460, height = 260, reach = f.half + 1.6 * f.lead, k = Math.min((width - 20) / (2 * reach), (height - 20) / (f.pitch + 3 * f.ball));
   const at = (z, y) => [width / 2 + k * z, height / 2 - k * y], core = f.pitch / 2 - 0.3 * f.ball;
   const rod = svg("g", {}, svg("rect", { x: 4, y: height / 2 - k * core, width: width - 8, height: 2 * k * core, style: "fill:var(--steel)" }));
-  // Only complete half turns are drawn. Each has an axial length of half a lead.
+  // Only complete half turns are drawn. Each half turn has an axial length of half the lead.
   const lines = [], most = Math.floor(reach / f.lead - 0.25);
   for (let turn = -most; turn <= most; turn += 1) { const points = [];
     for (let a = 0; a <= 18; a += 1) { const t = Math.PI * (a / 18) - Math.PI / 2;

@@ -1,5 +1,5 @@
-//! Answers to the requests of the page. They contain the output of the commands with `--json` and
-//! the data for the graphics.
+//! Answers to requests from the page. They contain the output of the commands with `--json` and the
+//! data for the graphics.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -29,7 +29,7 @@ pub enum Refusal {
     /// The server has no route with this path.
     #[error("unknown route `{0}`")]
     Route(String),
-    /// The calculation was stopped because it took too long.
+    /// The calculation took too long and was stopped.
     #[error(
         "stopped after {0} s, because this point takes too long for the page; the command line has no such limit"
     )]
@@ -51,7 +51,7 @@ impl From<CaseError> for Refusal {
     }
 }
 
-/// The case, the settings and all other members of a request.
+/// A parsed request: the case, the settings and all other members of the JSON object.
 pub(crate) struct Request {
     pub(crate) case: Case,
     pub(crate) settings: Settings,
@@ -76,7 +76,7 @@ impl Request {
     }
 }
 
-/// Calculates the answer to a request of the page.
+/// Calculates the answer to a request from the page.
 ///
 /// * `stop`: flag that stops the calculation of a map when it becomes true.
 ///
@@ -193,14 +193,14 @@ fn solved(Request { case, settings, rest }: &Request, parts: bool) -> Result<Val
     Ok(Value::Object(report))
 }
 
-/// Returns the output of `bsm solve --model all --json`, including the models that were omitted and
-/// the reasons.
+/// Returns the output of `bsm solve --model all --json`, including the omitted models and the
+/// reasons for omitting them.
 fn compare(Request { case, .. }: &Request) -> Result<Value, Refusal> {
     Ok(comparison(case)?.to_json())
 }
 
-/// Returns the solution whose motion is analyzed. The page shows the same solution, so that all
-/// losses agree.
+/// Returns the solution whose motion is analyzed. The page shows results of the same solution, so
+/// that all losses agree.
 fn moving(case: &Case, settings: &Settings) -> Result<MotionAnswer, CaseError> {
     let solution = case.problem(settings)?.solve(&mut ModelWorkspace::default());
     Ok(MotionAnswer { settings: *settings, solution })
@@ -240,7 +240,7 @@ fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
 }
 
 /// Returns the warm steady states as a function of the speed, for a plot. Friction is calculated
-/// with one coefficient per contact, because this is the fastest method.
+/// with one coefficient per contact, which is the fastest method.
 fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let quick = Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
     let quick = Settings { control: settings.control, ..quick };
@@ -254,7 +254,7 @@ fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
     let mut answer = size_results(&report);
     let displayed = report.answer.clone().in_units(case.display_units());
     answer["shown"] = shown(&displayed);
-    // The page shows rules and their intervals in display units.
+    // The page shows the rules and their intervals in display units.
     if let Some(rules) = displayed.to_json().get_mut("rules") {
         answer["rules"] = rules.take();
     }
@@ -286,8 +286,9 @@ fn columns(table: &Columns) -> Value {
     Value::Object(table.heads.iter().enumerate().map(column).collect())
 }
 
-/// Returns the results of `bsm sweep`, column by column. `vary` contains the axes, and `columns`
-/// contains the outputs. Models and statuses are indices into lists of names.
+/// Returns the results of `bsm sweep`, column by column. The request member `vary` contains the
+/// axes of the grid, and `columns` contains the outputs. Models and statuses are returned as
+/// indices into lists of names.
 fn sweep(
     Request { case, settings, rest }: &Request,
     workers: &Workers<'_>,

@@ -1,4 +1,4 @@
-//! Data for the input form of the page: grouped inputs with their units and permitted values, and
+//! Data for the input form of the page: groups of inputs with their units and permitted values, and
 //! the names of all choices.
 
 use bsm_case::units::{UnitChange, label, other_units};
@@ -42,8 +42,8 @@ pub(crate) fn schema() -> Value {
         let words = whole.rsplit_once(", ").map_or(&*whole, |(words, _)| words);
         json!({ "name": output.name, "label": words, "unit": output.unit, "about": output.about })
     });
-    // For each unit system, the display units that differ from metric units: text, factor and zero
-    // point.
+    // For each unit system, the display units that differ from the metric units, with text,
+    // conversion factor and offset of the zero point.
     let display = DisplayUnits::NAMES.iter().map(|(name, units)| {
         let unit = |(own, shown): (&str, DisplayUnit)| {
             let UnitChange { factor, zero } = shown.change();

@@ -14,8 +14,8 @@ const MAX_HEAD_LINES: usize = 64;
 /// Maximum size of a request body \[B\].
 const MAX_BODY: usize = 1 << 20;
 
-/// Time limits for a client: to send its request, to receive the response, and to close the
-/// connection.
+/// Time limits for a client: for sending its request, for receiving the response, and for closing
+/// the connection.
 const TO_SEND: Duration = Duration::from_secs(5);
 const TO_TAKE: Duration = Duration::from_secs(30);
 const TO_CLOSE: Duration = Duration::from_secs(1);
@@ -118,8 +118,9 @@ impl<'a> Connection<'a> {
         if self.write_all(answer.as_bytes()).is_ok()
             && self.stream.shutdown(Shutdown::Write).is_ok()
         {
-            // All received bytes are read before the connection is closed. Otherwise, the operating
-            // system would discard response data that have not been sent yet.
+            // All data that the client has sent are read before the connection is closed.
+            // Otherwise, the operating system would discard response data that have not been sent
+            // yet.
             self.until = Instant::now() + TO_CLOSE;
             let _ = io::copy(&mut self, &mut io::sink());
         }

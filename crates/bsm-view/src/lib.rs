@@ -1,5 +1,5 @@
-//! The page of `bsm view`, which shows a screw in the browser. The page is either connected to a
-//! server on this machine or saved as a single file that contains the solver.
+//! The page of `bsm view`, which shows a screw in the browser. The page either requests its data
+//! from a server on this machine or is saved as a single file that contains the solver.
 //!
 //! [`Server`] provides the page with the same numbers and messages as the commands. [`saved`]
 //! returns the same page as a single file, in which the solver runs as WebAssembly. The sources of

@@ -1,4 +1,4 @@
-//! The page as a single HTML file. The file contains all modules, libraries and data, and sends
+//! The page as a single HTML file, which contains all modules, libraries and data. The page sends
 //! requests only to its own server.
 
 use bsm_case::Case;
@@ -33,7 +33,7 @@ const MODULES: [(&str, &str); 17] = [
 /// Characters that must be percent-encoded in a `data:` URL inside JSON inside HTML.
 const ESCAPED: &AsciiSet = &CONTROLS.add(b'%').add(b'#').add(b'"').add(b'\\').add(b'<').add(b'&');
 
-/// Returns the cases that the page compares with its own case.
+/// Returns the additional cases, which the page compares with its own case.
 pub(crate) fn cases(beside: &[Case]) -> Value {
     beside.iter().map(|case| json!({ "case": case.to_json() })).collect()
 }
@@ -50,7 +50,7 @@ pub(crate) fn html(start: &Value, solver: Option<&str>) -> String {
     let solver = solver.map(|module| {
         format!("<script type=\"application/octet-stream\" id=\"solver\">{module}</script>\n")
     });
-    // The data must not contain an HTML end tag, because it would end the script element.
+    // The data must not contain an HTML end tag, because such a tag would end the script element.
     let data = start.to_string().replace('<', "\\u003c");
     // Each placeholder occurs once. The initial data are inserted last, because they may contain
     // text that looks like a placeholder.

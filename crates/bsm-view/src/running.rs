@@ -1,5 +1,5 @@
-//! The running calculations of the server. A newer request from a page cancels the earlier requests
-//! of this page.
+//! List of the calculations that are running on the server. A newer request from a page cancels the
+//! earlier requests from the same page.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -27,7 +27,7 @@ impl Turn {
         Some(Self { page: page.to_owned(), number: number.parse().ok()? })
     }
 
-    /// Returns true if this request precedes another request of the same page.
+    /// Returns true if this request precedes another request from the same page.
     fn is_before(&self, other: &Self) -> bool {
         self.page == other.page && self.number < other.number
     }
@@ -55,7 +55,7 @@ pub(crate) struct RunningAnswer {
 }
 
 fn lock(entries: &Entries) -> MutexGuard<'_, Vec<Entry>> {
-    // The lock can be used after a panic, because the state is never inconsistent while the lock is
+    // The lock can be used after a panic, because the list is never inconsistent while the lock is
     // held.
     entries.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -66,8 +66,8 @@ impl Running {
         Self { entries: Entries::default(), most }
     }
 
-    /// Registers a new calculation. Calculations for earlier requests of the same page are stopped,
-    /// and these requests are answered immediately.
+    /// Registers a new calculation. Calculations for earlier requests from the same page are
+    /// stopped, and these requests are answered immediately.
     ///
     /// Returns the registered calculation and a receiver for its answer.
     pub(crate) fn begin(
@@ -135,8 +135,8 @@ mod tests {
         turn
     }
 
-    /// A newer request must stop only earlier requests of the same page. A waiting request must be
-    /// answered before its calculation has ended.
+    /// A newer request must stop only the earlier requests from the same page. A stopped request
+    /// must be answered before its calculation has ended.
     #[test]
     fn a_newer_request_stops_earlier_requests_of_its_page() {
         let running = Running::most(4);

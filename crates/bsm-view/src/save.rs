@@ -6,13 +6,14 @@ use serde_json::json;
 use crate::form::schema;
 use crate::page;
 
-/// The file that the script `page-solver` writes: a line with the version, and the module.
+/// The file that the script `page-solver` writes. Its first line is the version of the solver, and
+/// the rest is the WebAssembly module.
 #[cfg(page_solver)]
 const FILE: Option<&str> = Some(include_str!("../page/solver.wasm.gz.base64"));
 #[cfg(not(page_solver))]
 const FILE: Option<&str> = None;
 
-/// The solver of a saved page.
+/// The solver that a saved page contains.
 #[derive(Debug, Clone, Copy)]
 pub struct PageSolver<'a> {
     /// Version of the sources from which the solver was built.
@@ -22,14 +23,15 @@ pub struct PageSolver<'a> {
 }
 
 impl PageSolver<'static> {
-    /// Returns the solver that this build contains, or `None` if the build did not find one.
+    /// Returns the solver that is included in this build, or `None` if the solver did not exist
+    /// when the program was built.
     pub fn of_build() -> Option<Self> {
         let (version, module) = FILE?.split_once('\n')?;
         Some(Self { version, module: module.trim_end() })
     }
 }
 
-/// Returns the page of a case as one file, which needs neither a server nor a network.
+/// Returns the page for a case as a single file, which needs neither a server nor a network.
 ///
 /// * `beside`: other cases, which the page compares with its own case.
 pub fn saved(case: &Case, beside: &[Case], settings: &Settings, solver: &PageSolver<'_>) -> String {

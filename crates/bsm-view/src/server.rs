@@ -1,5 +1,5 @@
-//! The server of the page. It accepts only requests from this machine that contain the server's
-//! token.
+//! The server of the page. It accepts only requests that come from this machine and contain the
+//! server's token.
 //!
 //! The requests `POST /solve`, `/slip`, `/ellipses`, `/point` (which combines the first three),
 //! `/compare`, `/nut`, `/warm`, `/axis`, `/sweep` and `/schema` have the body `{"case": {..},
@@ -26,16 +26,17 @@ use crate::http::{Connection, Head, HttpRefusal};
 use crate::page;
 use crate::running::{Running, Turn};
 
-/// Time limits for an answer. The second limit applies to warm states as a function of the speed,
-/// because no other panel of the page waits for them.
+/// Time limits for calculating an answer. The second limit applies only to warm states as a
+/// function of the speed. It can be longer, because no other panel of the page waits for these
+/// states.
 const TIME_LIMITS: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
 /// Maximum number of running calculations, including stopped calculations that have not ended yet.
-/// If this number is reached, no further calculation is started. A page waits for at most half as
-/// many answers.
+/// While this number of calculations is running, further requests are refused. A page waits for at
+/// most half as many answers.
 const MAX_RUNNING: usize = 16;
 
-/// Pause after the operating system could not accept a connection because of missing resources.
+/// Pause after the operating system failed to accept a connection for lack of resources.
 const NO_ROOM: Duration = Duration::from_millis(50);
 
 /// Stack size of a solver thread \[B\]. Debug builds keep every intermediate result on the stack.
@@ -63,7 +64,7 @@ pub enum ViewError {
     Thread(#[from] io::Error),
 }
 
-/// A server that shows the page of one case.
+/// A server that provides the page for one case.
 pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
@@ -135,7 +136,7 @@ impl Server {
     }
 
     /// Answers requests until the program ends or [`stop`](Self::stop) is called. Each connection
-    /// has its own thread, so that a slow client does not delay other clients.
+    /// has its own thread, so slow clients do not delay other clients.
     pub fn serve(&self) {
         while !self.ended.load(Ordering::Relaxed) {
             let Ok((stream, _)) = self.listener.accept() else {
@@ -257,8 +258,8 @@ impl ServerState {
         }
     }
 
-    /// Calculates an answer. Returns an error if the calculation takes too long or a newer request
-    /// replaces this one.
+    /// Calculates the answer to a request. Returns an error if the calculation takes too long or if
+    /// a newer request replaces this request.
     fn answer(
         self: &Arc<Self>,
         turn: Option<Turn>,
@@ -287,7 +288,7 @@ impl ServerState {
         }
     }
 
-    /// Saves the case to the file that was given with `-o`.
+    /// Saves the case to the file that the option `-o` specifies.
     fn save(&self, body: &[u8]) -> Result<Value, Refusal> {
         let Some(save) = &self.save else {
             let text = "cannot save the case, because bsm view was started without -o CASE.json";
@@ -303,7 +304,7 @@ impl ServerState {
 }
 
 /// Returns true if two strings are equal. The computing time does not depend on the position of the
-/// first difference, so that an attacker cannot guess the token by measuring times.
+/// first difference, so an attacker cannot guess the token by measuring times.
 fn same(one: &str, other: &str) -> bool {
     let differ = one.bytes().zip(other.bytes()).fold(0, |differ, (a, b)| differ | (a ^ b));
     one.len() == other.len() && differ == 0

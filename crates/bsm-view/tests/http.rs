@@ -1,4 +1,4 @@
-//! Tests of the server: which requests it accepts and how it answers.
+//! Tests of the server: which requests it accepts, and how it answers them.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -38,7 +38,8 @@ impl TestServer {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("a connection");
         let length = body.len();
         let request = format!("{head}\r\nContent-Length: {length}\r\n\r\n{body}");
-        // Errors are ignored, because the server may reject a request before it has read all of it.
+        // Errors are ignored, because the server may reject a request before the client has sent
+        // all of it.
         let _ = stream.write_all(request.as_bytes());
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);
@@ -208,8 +209,8 @@ fn server_answers_match_the_commands() {
     assert!(sized(false).get("sheet").is_none());
 }
 
-/// For a lubricated contact, the friction that the page draws must be that of the model: the
-/// integral of friction times sliding speed must equal the sliding power.
+/// For a lubricated contact, the friction that the page draws must be the friction in the model:
+/// the integral of friction times sliding speed must equal the sliding power.
 #[test]
 fn drawn_friction_matches_the_power_loss_of_the_model() {
     let served = TestServer::start(None);
@@ -237,13 +238,13 @@ fn drawn_friction_matches_the_power_loss_of_the_model() {
         balls = number(&solved["inputs"]["loaded_balls"]);
     }
     let sliding = number(&solved["sliding_power_W"]);
-    // The integrand has a kink on the ellipse, so the integral over a grid of 49 points per side
-    // has an error of a few percent.
+    // The integrand has a kink at the edge of the ellipse, so the integral over a grid of 49 points
+    // per side has an error of a few percent.
     assert!((lost * balls / sliding - 1.0).abs() < 0.05, "{} {sliding}", lost * balls);
 }
 
-/// Returns the request for a map that takes minutes on one core: forty thousand points of a
-/// lubricated ball with the highest accuracy.
+/// Returns the request for a map that takes minutes to calculate on one core: forty thousand points
+/// with a lubricated ball and the highest accuracy.
 fn long_map() -> Value {
     json!({
         "case": example_case("feed_drive_oil.json").to_json(),
@@ -264,18 +265,18 @@ fn a_map_that_takes_too_long_ends_with_a_message() {
     assert_eq!(status, 200, "{answer}");
 }
 
-/// Regression test: after a slider was moved, the calculation of a map continued for 2 s, and the
-/// new results had to wait.
+/// Regression test: after the user moved a slider, the calculation of the previous map continued
+/// for 2 s and delayed the new results.
 #[test]
-fn newer_request_of_a_page_cancels_the_previous_request() {
+fn newer_request_from_a_page_cancels_the_previous_one() {
     let served = TestServer::start(None);
     let turn = |route: &str, turn: &str| {
         format!("{}\r\nX-Bsm-Turn: {turn}", served.head(&format!("POST /{route}")))
     };
     thread::scope(|scope| {
         let old = scope.spawn(|| served.send(&turn("sweep", "a/1"), &long_map().to_string()));
-        // Until the map has been started, a newer request has nothing to stop, so the loop sends
-        // several requests.
+        // A newer request cannot stop the map before the calculation of the map has started, so the
+        // loop repeats the newer request.
         let overtaken = loop {
             thread::sleep(Duration::from_millis(50));
             let (status, answer) =
@@ -304,14 +305,14 @@ fn cases_are_saved_only_if_saving_is_enabled() {
     assert_eq!((status, &answer["saved"]), (200, &json!(true)));
     let text = kept.lock().expect("a text").clone();
     assert_eq!(Case::from_json(text.as_bytes()).expect("a case"), case());
-    // Regression test: a case without inputs replaced the saved case.
+    // Regression test: a case without inputs overwrote the saved case.
     let (status, answer) = served.post("save", &json!({ "case": {} }));
     assert!(status == 400 && answer["error"].is_string(), "{status} {answer}");
     assert_eq!(*kept.lock().expect("a text"), text);
 }
 
-/// Regression test: a request whose header declared an excessive length ended the program even
-/// without a token, and a header of 100 MB was read completely.
+/// Regression test: a request with an excessive length in its header ended the program even without
+/// a token, and a header of 100 MB was read completely.
 #[test]
 fn oversized_requests_are_rejected() {
     let served = TestServer::start(None);
@@ -354,7 +355,7 @@ fn slow_clients_do_not_delay_other_clients() {
     let deaf: Vec<_> = (0..40).map(|_| connect(&page)).collect();
     assert_eq!(served.post("solve", &example_request()).0, 200);
     for mut stream in [silent, begun].into_iter().flatten() {
-        // After a timeout, the server must answer and disconnect slow clients.
+        // After a timeout, the server must send responses to slow clients and disconnect them.
         let mut answer = String::new();
         stream.read_to_string(&mut answer).expect("text");
         assert!(answer.starts_with("HTTP/1.1 408 "), "{answer}");

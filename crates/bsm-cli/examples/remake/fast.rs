@@ -107,7 +107,7 @@ fn accuracies(program: &Program) -> Blocks {
         let (found, bound) =
             (number(&result, "efficiency")?, number(&result, "efficiency_error_bound")?);
         let off = (found - finest).abs();
-        // The solver stops at residuals of 1e-10, so smaller differences are meaningless.
+        // The solver stops at residuals of 1e-10, so differences below this value are meaningless.
         let off = if off < 1e-10 { "< 1e-10".to_owned() } else { format!("{off:.0e}") };
         Ok::<_, Box<dyn Error>>(format!("| {accuracy} | {found:.9} | {off} | {bound:.0e} |"))
     };
@@ -141,8 +141,9 @@ fn catalog(program: &Program) -> Blocks {
     Ok(count.ok_or_else(|| format!("no number of nuts in the note: {note}"))?.to_string())
 }
 
-/// Calculates the effects that equal load sharing neglects, one at a time. Each nut is compared
-/// with a nut that has the same balls, but stiff guides and rigid bodies without errors.
+/// Generates a table of the effects that equal load sharing neglects, one effect per row. Each nut
+/// is compared with a nut that has the same balls, but stiff guides and rigid bodies without
+/// errors.
 fn nut_sharing(program: &Program) -> Blocks {
     let read = |case: &str| std::fs::read(program.folder.join("examples").join(case));
     let mut base: Value = serde_json::from_slice(&read("nut_guided.json")?)?;
@@ -245,7 +246,7 @@ fn nut_sharing(program: &Program) -> Blocks {
     Ok(table(header, &rows))
 }
 
-/// Command that calculates the axis for the example catalog line.
+/// Command that analyzes the axis of the example catalog line.
 const CATALOG_LINE: &str = "axis examples/catalog_line.json --json";
 
 /// Formats a result of the axis analysis and its 90 % interval.
@@ -261,7 +262,7 @@ fn with_interval(axis: &Value, name: &str, unit: &str) -> Result<[String; 2], Bo
     Ok([format!("{value} {unit}"), interval])
 }
 
-/// Generates a table of the results and their intervals for the example catalog line.
+/// Generates a table of the axis results for the example catalog line, with their intervals.
 fn catalog_line(program: &Program) -> Blocks {
     let axis = program.json(CATALOG_LINE)?;
     let row = |(label, name, unit): (&str, &str, &str)| {
@@ -282,7 +283,8 @@ fn catalog_line(program: &Program) -> Blocks {
     Ok(table("| result | best groove | 90 % interval |", &rows))
 }
 
-/// Generates a table of the intervals that remain if further inputs of the catalog line are known.
+/// Generates a table that shows how the intervals shrink if further inputs of the catalog line are
+/// known.
 fn catalog_line_items(program: &Program) -> Blocks {
     let conformity = "--set nut_conformity=0.52 --set screw_conformity=0.52";
     let cases = [
@@ -304,7 +306,7 @@ fn catalog_line_items(program: &Program) -> Blocks {
     Ok(table("| additional inputs | heat of the example, W | stiffness of the nut, N/um |", &rows))
 }
 
-/// Returns the measured value of a check of the groove estimate.
+/// Returns the calculated value of a check of the groove estimate.
 fn groove_check(checks: &Value, key: &str) -> Result<f64, Box<dyn Error>> {
     let list = checks["checks"].as_array().ok_or("no checks")?;
     let key = format!("groove/{key}");
@@ -312,8 +314,8 @@ fn groove_check(checks: &Value, key: &str) -> Result<f64, Box<dyn Error>> {
     number(check.ok_or_else(|| format!("no check `{key}`"))?, "measured").map_err(Into::into)
 }
 
-/// Generates a table of how often the estimate finds the correct ball diameter in catalog rows that
-/// were not used to fit the prior.
+/// Generates a table of the fraction of catalog rows for which the groove estimate finds the
+/// correct ball diameter. These rows were not used to fit the prior.
 fn groove_rates(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let row = |(key, known): (&str, &str)| {
@@ -338,8 +340,8 @@ fn groove_rates(program: &Program) -> Blocks {
     Ok(table(head, &rows))
 }
 
-/// Generates the rates of correct ball diameters for each manufacturer, with a prior that was
-/// fitted to the other manufacturers.
+/// Generates a table of the rate of correct ball diameters for each manufacturer, with a prior that
+/// was fitted to the other manufacturers.
 fn groove_new_makers(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let row = |maker: &str| {
@@ -356,7 +358,7 @@ fn groove_new_makers(program: &Program) -> Blocks {
     Ok(table(head, &rows))
 }
 
-/// Reports the widths of the intervals for catalog rows that were not used to fit the prior.
+/// Generates the widths of the intervals for catalog rows that were not used to fit the prior.
 fn groove_widths(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let of = |key: &str| groove_check(&checks, &format!("other-half/{key}"));
@@ -373,8 +375,8 @@ fn groove_widths(program: &Program) -> Blocks {
     ))
 }
 
-/// Generates a table of the gap that the balls need, and of the effect of smaller gaps, for driving
-/// and back-driving.
+/// Generates a table of the gap that the balls need, and of the effect of smaller gaps, for a
+/// driving and a back-driven screw.
 fn ball_train(program: &Program) -> Blocks {
     const PER_CENT: [f64; 4] = [0.5, 0.2, 0.05, 0.01];
     const COLUMNS: &str = "needed_gap_mm,advance_spread,max_over_mean,idle_balls,contact_torque_free_Nm,friction_torque_Nm,max_push_N";
@@ -446,7 +448,9 @@ fn accuracy(_: &Program) -> Blocks {
 fn errors_row((setting, errors): &(Setting, Vec<Errors>)) -> String {
     let of = |group: Group| errors.iter().find(|errors| errors.group == group);
     let cell = |distribution: Option<Distribution>| {
-        distribution.map_or_else(String::new, |q| format!("{}, {}", small(q.median), small(q.q99)))
+        distribution.map_or_else(String::new, |q| {
+            format!("{}, {}", format_error(q.median), format_error(q.q99))
+        })
     };
     let [all, rolling, partial, gross] = Group::ALL.map(of);
     let solved = all.map_or(0.0, |all| 100.0 * all.solved);
@@ -461,6 +465,6 @@ fn errors_row((setting, errors): &(Setting, Vec<Errors>)) -> String {
 }
 
 /// Formats an error. If the error is below the residual of the solver, an upper limit is shown.
-fn small(error: f64) -> String {
+fn format_error(error: f64) -> String {
     if error < 1e-9 { "< 1e-9".to_owned() } else { short(error) }
 }

@@ -29,7 +29,7 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 /// Names of blocks, each with its new text.
 type Blocks = Vec<(&'static str, Text)>;
 
-/// A generator of one or several blocks, which can be selected by its name.
+/// A generator of one or several blocks, which the command line can select by name.
 struct Source {
     name: String,
     /// The commands that are run, as shown by `--list`.
@@ -224,7 +224,8 @@ fn outputs(site: &Site, name: &str, run: impl Fn(&str, &Program) -> Result<Strin
     for mut document in documents(&site.root)? {
         let folder = tempfile::tempdir()?;
         let program = Program::new(site.bsm.clone(), &site.root, folder.path())?;
-        // The positions change whenever a block is written, so they are determined again.
+        // The positions of the blocks change whenever a block is written, so they are determined
+        // again.
         for number in 0..document.blocks()?.len() {
             let block = document.blocks()?.swap_remove(number);
             if block.name != name {

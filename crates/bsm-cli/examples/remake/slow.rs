@@ -21,7 +21,7 @@ pub(crate) enum Text {
     Row(String),
 }
 
-/// The repository, the program, and the extent of the measurements.
+/// The repository, the program, and whether only a few points are measured.
 pub(crate) struct Site {
     pub(crate) root: PathBuf,
     pub(crate) bsm: PathBuf,
@@ -32,8 +32,8 @@ pub(crate) struct Site {
 /// Folder in the repository for temporary files of the measurements.
 const WORK: &str = "target/remake";
 
-/// Test campaigns with extreme points: model, number of points, seed, and number of points near the
-/// limits of the inputs.
+/// Test campaigns with extreme points: model, number of points, seed, and number of points in a
+/// second campaign near the limits of the inputs.
 pub(crate) const CAMPAIGNS: &[(&str, usize, u64, usize)] = &[
     ("closed-form", 50_000, 2026, 100_000),
     ("quasi-static", 50_000, 2026, 100_000),
@@ -49,8 +49,8 @@ impl Site {
         if self.quick { full.div_ceil(1000).max(20) } else { full }
     }
 
-    /// Returns the build profile. Quick runs use the profile of the tests, because it has already
-    /// been built.
+    /// Returns the build profile. Quick runs use the profile of the tests, for which the crates
+    /// have already been built.
     fn profile(&self) -> &'static str {
         if self.quick { "test" } else { "release" }
     }
@@ -111,8 +111,8 @@ fn micro(ns: f64) -> String {
     short(1e-3 * ns)
 }
 
-/// Determines the fastest settings and the time per point with `bsm tradeoff`. Mean values over
-/// newly drawn random points are added.
+/// Determines the fastest settings and the time per point with `bsm tradeoff`, and adds mean values
+/// over newly drawn random points.
 pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let measured = |points: &str| -> Result<Value> {
         let words = format!("tradeoff --quiet --json{points}");
@@ -128,8 +128,8 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let measured = if site.quick { fresh.clone() } else { measured("")? };
     let advice = list(&measured, "advice")?;
     let times = list(&measured, "settings")?.iter().zip(list(&fresh, "settings")?);
-    // Settings that differ only in the creep speed are left out, because it does not affect the
-    // time.
+    // Settings that differ only in the creep speed are left out, because the creep speed does not
+    // affect the computing time.
     let times = times.filter(|(setting, _)| {
         !setting["options"].as_str().is_some_and(|options| options.starts_with("creep"))
     });
@@ -143,7 +143,7 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-fn picked(pick: &Value) -> Result<String> {
+fn format_pick(pick: &Value) -> Result<String> {
     if pick.is_null() {
         return Ok("none".to_owned());
     }
@@ -158,7 +158,7 @@ fn summary(advice: &[Value]) -> Result<String> {
     for tolerance in tolerances {
         let pick = |group: &str| {
             let place = |a: &&Value| a["tolerance"] == *tolerance && a["group"] == group;
-            picked(advice.iter().find(place).map_or(&Value::Null, |a| &a["single"]))
+            format_pick(advice.iter().find(place).map_or(&Value::Null, |a| &a["single"]))
         };
         let percent = 100.0 * tolerance.as_f64().ok_or("no tolerance")?;
         rows.push(format!(
@@ -213,12 +213,12 @@ struct RunTime {
 }
 
 impl Site {
-    fn took(&self, folder: &Path, words: &str) -> Result<RunTime> {
+    fn measure(&self, folder: &Path, words: &str) -> Result<RunTime> {
         eprintln!("  bsm {words}");
         let begin = Instant::now();
         let mut child = Command::new(&self.bsm)
             .args(words.split_whitespace())
-            // Only `sweep` shows a progress bar.
+            // Only `sweep` has a progress bar, which is hidden here.
             .args(words.starts_with("sweep").then_some("--quiet"))
             .current_dir(folder)
             .stdin(Stdio::null())
@@ -272,8 +272,8 @@ fn megabytes(bytes: f64) -> String {
     format!("{:.0} MB", 1e-6 * bytes)
 }
 
-/// Measures sweeps that write files: grids of up to a hundred million points, and tables of ten
-/// million rows.
+/// Measures time and memory use of sweeps that write files: grids of up to a hundred million
+/// points, and tables of ten million rows.
 pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let folder = tempfile::tempdir_in(site.folder()?)?;
     let folder = folder.path();
@@ -285,7 +285,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             "sweep {case} --set lead_mm=25 --model {model} --vary axial_load_N=2000:8000:{side} \
              --vary screw_speed_rpm=100:1500:{side} --columns efficiency -o {model}-{side}/"
         );
-        site.took(folder, &words)
+        site.measure(folder, &words)
     };
     let (rigid, closed, small) =
         (grid("rigid", axis)?, grid("closed-form", axis)?, grid("rigid", axis / 10)?);
@@ -295,7 +295,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             "sweep {case} {options} --vary screw_speed_rpm=100:6000:{side} \
              --vary axial_load_N=500:20000:{side} --columns efficiency,ball_torque_Nm -o {out}/"
         );
-        site.took(folder, &words)
+        site.measure(folder, &words)
     };
     let (traction, auto) =
         (map("--model traction", "traction")?, map("--model auto --threads 1", "auto")?);
@@ -313,13 +313,13 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
              --vary screw_speed_rpm=100:1500:{cube} --vary friction_coefficient=0.03:0.05:{cube} \
              --columns ball_torque_Nm -o points.{end}"
         );
-        site.took(folder, &words)?;
+        site.measure(folder, &words)?;
     }
     let table = |end: &str| {
         let words = format!(
             "sweep {case} --points points.{end} --model rigid --columns efficiency -o out.{end}"
         );
-        site.took(folder, &words)
+        site.measure(folder, &words)
     };
     let (parquet, csv) = (table("parquet")?, table("csv")?);
     Ok(vec![(
@@ -344,8 +344,8 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     )])
 }
 
-/// Measures the time per sweep row on one core for nuts, balls that touch each other, and warm
-/// axes.
+/// Measures the time per sweep row on one core for three kinds of results: nuts, nuts whose balls
+/// touch each other, and warm axes.
 pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     const TRAIN: &str = "examples/nut_train.json --model traction --set moment_y_Nm=30";
     const AXIS: &str = "validation/published/nut/feed_axis.json";
@@ -359,7 +359,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             let words = format!(
                 "sweep {words} --vary {vary}:{rows} --columns {column} --threads 1 -o rows.csv"
             );
-            site.took(folder.path(), &words)
+            site.measure(folder.path(), &words)
         };
         let rows = site.points(400);
         // Subtracting the time of a run with two rows removes the startup time of the program,
@@ -377,7 +377,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let speeds = "screw_speed_rpm=90:110";
     let nuts = site.points(10_000);
     let drawn = format!("nut examples/nut_scattered.json --samples {nuts} -o drawn.json");
-    let drawn = site.took(folder.path(), &drawn)?;
+    let drawn = site.measure(folder.path(), &drawn)?;
     let rows = vec![
         row(
             "loads of 98 balls of different diameters",
@@ -413,7 +413,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// Measures the estimation of grooves, and tables of catalog lines.
+/// Measures the time for estimating grooves and for solving tables of catalog lines.
 pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     const PUBLISHED: &str = "validation/published/groove/public.json";
     let folder = tempfile::tempdir_in(site.folder()?)?;
@@ -423,7 +423,7 @@ pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let mut text = String::from(
         "nominal_diameter_mm,lead_mm,rated_dynamic_load_N,rated_static_load_N,axial_load_N\n",
     );
-    // The published rows are repeated with different loads.
+    // The published rows are repeated, each time with a different load.
     for place in 0..count {
         let row = &published[place % published.len()];
         #[expect(clippy::cast_precision_loss, reason = "at most a thousand")]
@@ -449,7 +449,7 @@ pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         let words = format!(
             "sweep --points {table} {point} --model raceway-control --columns {columns} --threads {threads} --keep-going -o rows.csv"
         );
-        site.took(folder.path(), &words)
+        site.measure(folder.path(), &words)
     };
     // Subtracting the time of a run with one row removes the startup time of the program.
     let start = sweep("one.csv", "ball_torque_Nm", 1)?.time;
@@ -457,8 +457,8 @@ pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     #[expect(clippy::cast_precision_loss, reason = "at most a thousand")]
     let each = 1e3 * estimates.as_secs_f64() / count as f64;
     let intervals = sweep("lines.csv", "ball_torque_Nm,ball_torque_low_Nm,ball_torque_high_Nm", 2)?;
-    let listed = site.took(folder.path(), "select --from list.csv --json")?;
-    let judged = site.took(folder.path(), "select axis.json --from list.csv --json")?;
+    let listed = site.measure(folder.path(), "select --from list.csv --json")?;
+    let judged = site.measure(folder.path(), "select axis.json --from list.csv --json")?;
     let rows = vec![
         format!(
             "| estimate of one groove and its friction torque, one core | {} ms |",
@@ -481,7 +481,7 @@ pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// Compares `rigid` with other solvers, at random points and at the points of the trade-off.
+/// Compares model `rigid` with other solvers, at random points and at the points of `bsm tradeoff`.
 pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let few = if site.quick { " --count 64 --runs 3" } else { "" };
     let report = |name: &str, flag: &str| -> Result<Value> {
@@ -523,7 +523,8 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// Compares `traction` with other solvers, at random points and at the points of the trade-off.
+/// Compares model `traction` with other solvers, at random points and at the points of `bsm
+/// tradeoff`.
 pub(crate) fn traction_peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let few = if site.quick { " --count 64 --runs 3" } else { "" };
     let printed = |flag: &str| {
@@ -533,7 +534,8 @@ pub(crate) fn traction_peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     };
     let [seeded, ordinary] = [printed("")?, printed("--ordinary")?];
     let (lines, with) = seeded.trim_end().split_once("\n\n").ok_or("no table")?;
-    // From the second table, the columns with time, unsolved points and different results are used.
+    // Only the columns for time, unsolved points and different results are taken from the second
+    // table.
     let cells = |line: &str| line.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
     let row = |(line, other): (&str, &str)| {
         let (own, other) = (cells(line), cells(other));
@@ -579,7 +581,7 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
         ("extremes/reasons", Text::Row(format!("| `{model}` | {} |", wide.reasons().join(" | ")))),
         ("extremes/edges", Text::Row(format!("| `{model}` | `{next}` | {} |", close.shares()[2]))),
     ];
-    // A model that never searches for other solutions gets no row.
+    // A model that never searches for other solutions is left out of the table of other solutions.
     let [several, single, unknown] = wide.others;
     let all = several + single + unknown;
     if unknown < all {
@@ -593,15 +595,16 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
 /// Results that a test campaign has printed.
 struct Campaign {
     points: f64,
-    /// For each outcome: index in [`OUTCOMES`], rest of the name, and number of points.
+    /// For each outcome: index in [`OUTCOMES`], reason, and number of points.
     kinds: Vec<(usize, String, f64)>,
-    /// Numbers of converged points with other solutions, of points without other solutions, and of
-    /// points for which this is unknown.
+    /// Numbers of converged points that have other solutions, that have none, and for which this is
+    /// unknown.
     others: [f64; 3],
     slowest_ms: f64,
 }
 
-/// Beginnings of the outcome names. The last outcome also includes solutions without sensitivities.
+/// First words of the outcome names. The last outcome also includes solutions without
+/// sensitivities.
 const OUTCOMES: [&str; 3] = ["converged", "no_solution", "not_converged"];
 
 impl Campaign {
@@ -619,10 +622,11 @@ impl Campaign {
             // The outcome "converged, no sensitivities: ..." does not count as converged.
             let outcome = outcome.or_else(|| first.ends_with(',').then_some(2));
             let outcome = outcome.ok_or_else(|| format!("unknown outcome: {name}"))?;
-            // After a comma or colon, the name explains the regime. The explanation is left out.
+            // In the name of a converged outcome, the text after a comma or colon describes the
+            // regime. This text is left out.
             let rest =
                 if outcome == 0 { rest.split([',', ':']).next().unwrap_or("") } else { rest };
-            kinds.push((outcome, spaced(rest), row.get(2).ok_or("no count")?.parse()?));
+            kinds.push((outcome, split_words(rest), row.get(2).ok_or("no count")?.parse()?));
         }
         let slowest = printed.split("slowest ").nth(1).and_then(|rest| rest.split(' ').next());
         let slowest_ms = slowest.ok_or("no slowest point")?.parse()?;
@@ -643,7 +647,7 @@ impl Campaign {
         })
     }
 
-    /// Returns the reasons for each outcome, the most frequent reason first.
+    /// Returns the reasons for each outcome, in descending order of frequency.
     fn reasons(&self) -> [String; 3] {
         [0, 1, 2].map(|place| {
             let mut of: Vec<_> =
@@ -658,7 +662,7 @@ impl Campaign {
 }
 
 /// Converts an identifier such as `NoSkidAtInertia` to the words "no skid at inertia".
-fn spaced(name: &str) -> String {
+fn split_words(name: &str) -> String {
     let mut words = String::new();
     for letter in name.chars() {
         if letter.is_ascii_uppercase() {
@@ -706,7 +710,8 @@ pub(crate) fn build(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     Ok(vec![("build", Text::Whole(text))])
 }
 
-/// Runs a long test and returns its output. `line` is the command in the document.
+/// Runs the long test that the command `line` in a document specifies, and returns the output of
+/// the test.
 pub(crate) fn test_output(site: &Site, line: &str) -> Result<String> {
     let words =
         line.strip_prefix("cargo ").ok_or_else(|| format!("not a cargo command: {line}"))?;
@@ -718,7 +723,7 @@ pub(crate) fn test_output(site: &Site, line: &str) -> Result<String> {
     let (stdout, _) = site.run("cargo", &words)?;
     let noise = ["running ", "test result", "test "];
     let mut lines: Vec<_> = stdout.lines().map(str::trim_end).collect();
-    // With `--quiet`, cargo prints a line of dots for the tests, which is removed.
+    // With `--quiet`, cargo prints a line with a dot for each test, which is removed.
     lines.retain(|line| {
         !line.chars().all(|c| ".i".contains(c)) && !noise.iter().any(|n| line.starts_with(n))
     });

@@ -98,8 +98,8 @@ fn jam_output_contains_verdicts_and_margins() {
     assert_eq!(jamming["verdicts"]["jams"]["answer"], true);
     let text = bsm(folder().path(), &["solve", &example("jamming.json"), "--show", "jam"], "");
     let text = stdout(&text);
-    // Jamming is a result and not a failed check. The quantity appears twice, because each kind of
-    // contact has its own table.
+    // Jamming is a result, not a failed check. The wedge quantity appears twice, because each kind
+    // of contact has its own table.
     assert!(text.contains("self_locking_under_load  no ") && !text.contains("FAIL"), "{text}");
     assert_eq!(text.matches("wedge between the raceways").count(), 2, "{text}");
     assert_eq!(result["verdicts"]["contacts_yield"]["answer"], true);
@@ -107,7 +107,7 @@ fn jam_output_contains_verdicts_and_margins() {
     assert!((value("nut_total_approach_um") / total - 1.0).abs() < 1e-12);
     assert_eq!(result["lacks"], Value::Array(Vec::new()));
 
-    // If optional inputs are missing, each section states which inputs it needs.
+    // If optional inputs are missing, each section must state which inputs it needs.
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &example("feed_drive.json"), "--show", "jam"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -124,8 +124,8 @@ fn jam_output_contains_verdicts_and_margins() {
     );
 }
 
-/// Regression test: the trends stated in a paper used to be printed below the user's own results.
-/// They belong to `validate`.
+/// Regression test: the trends stated in a paper were once printed below the user's own results.
+/// Only `validate` should print these trends.
 #[test]
 fn slip_plots_do_not_show_the_trends_of_a_paper() {
     let dir = folder();
@@ -215,8 +215,7 @@ fn invalid_input_of_an_analysis_is_reported() {
         assert!(text.starts_with("error: ") && text.trim_end().lines().count() == 1, "{text}");
         assert!(text.contains(part), "{args:?}: {text}");
     }
-    // If the case has no solution, the command states the reason and exits with code 3, like every
-    // other command.
+    // If the case has no solution, the command must state the reason and exit with code 3.
     let flat = ["solve", &xu, "--show", "slip", "--model", "rigid", "--set", "lead_mm=10"];
     let output = bsm(dir.path(), &flat, "");
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
@@ -226,9 +225,9 @@ fn invalid_input_of_an_analysis_is_reported() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
 }
 
-/// Results of analyses are available as table columns and as curves. For a misspelled column name,
-/// the message suggests the correct name. A column that cannot be calculated in any row is rejected
-/// before any row is solved.
+/// The results of slip and jamming analyses must be available as table columns and as curves. For a
+/// misspelled column name, the message must suggest the correct name. A column that cannot be
+/// calculated in any row must be rejected before any row is solved.
 #[test]
 fn sweep_columns_may_be_results_of_analyses() {
     let dir = folder();
@@ -271,7 +270,7 @@ fn sweep_columns_may_be_results_of_analyses() {
     assert!(!dir.path().join("u.csv").exists());
 }
 
-/// Regression test: a given preload was silently ignored by models that do not use it.
+/// Regression test: models that do not use the preload ignored a given preload without a note.
 #[test]
 fn note_is_printed_for_an_unused_preload() {
     let dir = folder();

@@ -1,4 +1,4 @@
-//! Tests of commands with a case that contains only the data of one catalog line.
+//! Tests of commands whose case contains only the data of one catalog line.
 
 use std::fs;
 
@@ -28,7 +28,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
 }
 
-/// Writes the example case of a screw that is described by its load ratings, without its load cycle
+/// Writes the example case of a screw that is specified by its load ratings, without its load cycle
 /// and lubricant.
 fn write_catalog_line(folder: &std::path::Path) {
     let text = fs::read_to_string(example("catalog_line.json")).expect("an example");
@@ -66,12 +66,12 @@ fn table_columns_contain_interval_bounds() {
     let nut = bsm(dir.path(), &[&["nut", "line.json", "--json"][..], &SETTINGS].concat(), "");
     let nut = json(&stdout(&nut));
     let interval = &nut["groove_estimate"]["intervals"]["nut_stiffness_N_um"];
-    // The table and the command repeat the same calculation, so the results must be equal.
+    // The table and the command perform the same calculation, so the results must be equal.
     assert_eq!(rows[0]["nut_stiffness_N_um"], nut["nut_stiffness_N_um"]);
     assert_eq!(rows[0]["nut_stiffness_low_N_um"], interval[0]);
     assert_eq!(rows[0]["nut_stiffness_high_N_um"], interval[1]);
-    // If only the load varies, the groove is the same at all points, and a batch kernel solves the
-    // points.
+    // If only the load varies, the groove is the same at all points, and a batch kernel can solve
+    // all points together.
     let grid = [
         "sweep",
         "line.json",
@@ -85,7 +85,7 @@ fn table_columns_contain_interval_bounds() {
     let output = bsm(dir.path(), &[&grid[..], &SETTINGS[2..]].concat(), "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stderr(&output).contains("ball 6.35 mm"), "{}", stderr(&output));
-    // If the case contains the groove geometry, the results have no intervals.
+    // If the case contains the groove geometry, the results must have no intervals.
     let given = [
         "sweep",
         &example("feed_drive.json"),
@@ -100,8 +100,8 @@ fn table_columns_contain_interval_bounds() {
     assert!(stdout(&output).lines().skip(1).all(|row| row.ends_with(',')), "{}", stdout(&output));
 }
 
-/// Estimated inputs must be marked in the JSON, on the screen and on the sheet. The intervals must
-/// follow the corresponding numbers.
+/// Estimated inputs must be marked in the JSON, on the screen and on the sheet. Each interval must
+/// follow the number to which it belongs.
 #[test]
 fn estimates_are_marked_in_every_output() {
     let dir = folder();
@@ -129,9 +129,9 @@ fn estimates_are_marked_in_every_output() {
     }
 }
 
-/// If a rating is misprinted, so that no groove is consistent with it, commands that need the
-/// groove exit with code 2. `axis` still calculates the life and prints a warning. The HTML page
-/// and `fit` work with an estimated groove.
+/// If a misprinted rating is not consistent with any groove, commands that need the groove must
+/// exit with code 2. `axis` must still calculate the life and print a warning. The HTML page and
+/// `fit` must work with an estimated groove.
 #[test]
 fn commands_accept_a_catalog_line_or_report_why_they_cannot() {
     let dir = folder();
@@ -159,12 +159,13 @@ fn commands_accept_a_catalog_line_or_report_why_they_cannot() {
     let (code, text) = run(&["fit", "line.json", "--measured", "screw_torque_Nm=16.65"]);
     assert!(code == Some(0) && text.contains("over the possible grooves"), "{text}");
     let (code, text) = run(&["view", "line.json", "-o", "page.html"]);
-    // Without the solver of pages, the command checks its inputs and then refuses.
+    // If the build does not contain the solver for saved pages, the command checks its inputs and
+    // then refuses to write a page.
     assert!(code == Some(0) || text.contains("cannot write a page, because"), "{text}");
 }
 
-/// A table of screws that are described only by load ratings has intervals in JSON and CSV. Two
-/// such screws have intervals in the comparison by `axis` and in the browser.
+/// A table of screws that are specified only by their load ratings must contain intervals in JSON
+/// and CSV. The comparison of two such screws must contain intervals in `axis` and in the browser.
 #[test]
 fn lists_and_offers_of_catalog_lines_have_intervals() {
     let dir = folder();
@@ -189,7 +190,7 @@ fn lists_and_offers_of_catalog_lines_have_intervals() {
         shown.contains(" to ") && said.contains("misprint: No typical groove"),
         "{shown}{said}"
     );
-    // The screen shows the intervals of selected columns, too, in the selected unit.
+    // On the screen, too, the intervals of selected columns must be shown in the selected unit.
     let columns = ["--columns", "nut,our_stiffness_N_um,our_stiffness_kgf_um"];
     let (selected, _) = run(&[&["select", "--from", "lines.csv"][..], &columns].concat());
     let row = selected.lines().find(|line| line.contains("R40")).expect("R40");
@@ -208,7 +209,7 @@ fn lists_and_offers_of_catalog_lines_have_intervals() {
         let value = number(&heat[offer]);
         assert!(number(&interval[0]) < value && value < number(&interval[1]), "{heat}");
     }
-    // The table of rules contains the bounds of the intervals.
+    // The table of rules must contain the bounds of the intervals.
     let rules = ["axis", "line.json", "--set", "stroke_mm=500", "-o", "rules.csv"];
     run(&[&rules[..], &SETTINGS].concat());
     let rules = fs::read_to_string(dir.path().join("rules.csv")).expect("rules");

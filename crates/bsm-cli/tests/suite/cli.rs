@@ -53,8 +53,8 @@ fn sensitivities_are_printed_as_a_table_and_in_json() {
     let text = stdout(&output);
     let table = text.split("sensitivity to").nth(1).expect("a table below the results");
     assert!(table.lines().next().expect("header").contains("torque, N m/unit"), "{table}");
-    // The friction coefficient has the largest effect. The nut speed is zero, so it has no relative
-    // sensitivity.
+    // The friction coefficient must have the largest effect. The nut speed is zero, so its relative
+    // sensitivity is undefined.
     let row =
         |i: usize| table.lines().nth(i).expect("a row").split_whitespace().collect::<Vec<_>>();
     assert_eq!(row(1)[..3], ["friction_coefficient", "0.075000", "-0.15161"], "{table}");
@@ -78,8 +78,8 @@ fn sensitivities_are_printed_as_a_table_and_in_json() {
     assert_eq!((code, result.get("sensitivities")), (Some(3), None));
 }
 
-/// Runs each example file with the command for which it was written. `@` stands for the path of the
-/// file. The scheduler scripts in `scale-out` are tested in `parts.rs`.
+/// Each example file must run with the command for which it was written. `@` stands for the path of
+/// the file. The scheduler scripts in `scale-out` are tested in `parts.rs`.
 #[test]
 fn every_example_file_runs_with_its_documented_command() {
     const USES: [(&str, &str); 26] = [
@@ -108,7 +108,7 @@ fn every_example_file_runs_with_its_documented_command() {
         ("nut_train.json", "nut @"),
         ("rated.json", "axis @"),
         ("requirements/axis.json", "select @"),
-        // For these two requirements, the manufacturers' sizes contain no screw with six loaded
+        // For these two requirements, the manufacturers' lists contain no screw with six loaded
         // turns.
         ("requirements/feed_drive.json", "select @ --from standard"),
         ("requirements/free_lead.json", "select @ --from standard"),
@@ -198,12 +198,12 @@ fn bad_input_is_reported_in_one_paragraph() {
         assert_eq!(output.status.code(), Some(1));
         assert!(stderr(&output).starts_with("error: cannot read "), "{}", stderr(&output));
     }
-    // The folder contains nothing but the case itself.
+    // The folder must contain nothing but the case itself.
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
-/// Rows must keep their order and position even if they are invalid, and state what is wrong.
-/// Additional columns must be copied, and all three table formats must have the same contents.
+/// Invalid rows must keep their position and state what is wrong. Additional columns must be
+/// copied, and tables in all three formats must have the same contents.
 #[test]
 fn a_sweep_of_a_table_keeps_invalid_rows_in_place() {
     let dir = folder();
@@ -233,15 +233,15 @@ fn a_sweep_of_a_table_keeps_invalid_rows_in_place() {
     assert!(rows[1][5].contains("`axial_load_N` is `abc`, but must be a number"), "{text}");
     assert!(rows[2][5].contains("`axial_load_N` = -3 must be a finite number > 0"), "{text}");
     assert!(rows[5][5].contains("rolls on the nut"), "{text}");
-    // For the empty cell, the load of the base case is used.
+    // An empty cell must be replaced by the load of the base case.
     assert_eq!(rows[0][6], rows[3][6]);
     assert!(stderr(&output).contains("4 of 6 rows have no result"), "{}", stderr(&output));
     let asked = run(&[args("-"), columns.to_vec(), vec!["--keep-going".to_owned()]].concat());
     assert_eq!(asked.status.code(), Some(0));
     assert_eq!((&asked.stdout, &asked.stderr), (&output.stdout, &output.stderr));
 
-    // The table is written as Parquet and read again. Text in numeric columns is lost; everything
-    // else must be unchanged.
+    // The table is written as Parquet and read again. Text in numeric columns is lost, but
+    // everything else must be unchanged.
     assert_eq!(run(&args("first.parquet")).status.code(), Some(3));
     let output = bsm(
         dir.path(),
@@ -290,7 +290,7 @@ fn sweep_results_do_not_depend_on_the_thread_count() {
         let output = bsm(dir.path(), &args.concat(), "");
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     };
-    // The points that a sweep has written are solved again as a table, with a different number of
+    // The points that a sweep has written as a table are solved again with a different number of
     // threads.
     sweep("all.csv", &["--columns", "efficiency,nut_spin_rad_s"]);
     let text = fs::read_to_string(dir.path().join("all.csv")).expect("table");
@@ -346,15 +346,15 @@ fn malformed_tables_are_reported() {
         assert!(text.contains(part) && text.trim_end().lines().count() == 1, "{text}");
         assert!(!dir.path().join("out.csv").exists());
     }
-    // An input that is missing in every row is reported only once.
+    // An input that is missing in every row must be reported only once.
     let output = bsm(dir.path(), &["sweep", "--points", "-", "-o", "out.csv"], "axial_load_N\n1\n");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("in a case or with --set"), "{}", stderr(&output));
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
-/// All models whose inputs the case contains are shown side by side. For the other models, the
-/// missing inputs are listed.
+/// All models whose inputs the case contains must be shown side by side. For each of the other
+/// models, the missing inputs must be listed.
 #[test]
 fn model_comparison_shows_every_model() {
     let dir = folder();
@@ -381,15 +381,15 @@ fn model_comparison_shows_every_model() {
     for part in ["closed-form", "rigid", "nut_conformity and screw_conformity are required"] {
         assert!(text.contains(part), "{text}");
     }
-    // If a model has no solution, the exit code is 3, as for every other command.
+    // If a model has no solution, the exit code must be 3.
     let output =
         bsm(dir.path(), &["solve", &lin(), "--model", "all", "--set", "lead_angle_deg=5"], "");
     assert_eq!(output.status.code(), Some(3));
     assert!(stdout(&output).contains("rolls on the nut"), "{}", stdout(&output));
 }
 
-/// The models use the given tolerance, accuracy and controlling raceway. An invalid setting is
-/// rejected, and the message names it.
+/// The models must use the given tolerance, accuracy and controlling raceway. The message for an
+/// invalid setting must name the setting.
 #[test]
 fn model_settings_are_used_or_rejected() {
     let dir = folder();
@@ -415,12 +415,12 @@ fn model_settings_are_used_or_rejected() {
     assert!((control("nut") - control("screw")).abs() > 1e-6);
     for (args, part) in [
         (["--tolerance", "0"], "must be a finite number > 0"),
-        // Regression test: with this accuracy, a power loss was 20 % too large, although its stated
-        // error bound was 0.3 %.
+        // Regression test: with this accuracy, a calculated power loss was 20 % too large, although
+        // its stated error bound was 0.3 %.
         (["--accuracy", "1e-2"], "must be from 0.0000000000001 to 0.0001"),
         (["--accuracy", "0"], "must be from 0.0000000000001 to 0.0001"),
         (["--control", "ball"], "nut, screw"),
-        // Regression test: this setting used to be accepted without any effect.
+        // Regression test: this setting was accepted although it had no effect.
         (["--model=rigid", "--control=nut"], "--model: model rigid uses no settings"),
         (
             ["--model=traction", "--tolerance=0.1"],
@@ -459,8 +459,8 @@ fn sweep_writes_a_full_grid_and_a_plot() {
     assert_eq!(rows.len(), 8);
     assert_eq!(leads[..3], [pair("30", "5"), pair("30", "10"), pair("30", "15")]);
     assert_eq!(leads[7], pair("60", "20"));
-    // At 5 deg and 60 deg, there is no solution. The row keeps its position, states the reason and
-    // contains no results.
+    // At 5 deg and 60 deg, there is no solution. Such a row must keep its position, state the
+    // reason and contain no results.
     assert_eq!((&rows[4][3], &rows[4][5]), ("no_solution", ""));
     assert!(rows[4][4].contains("rolls on the nut"), "{}", &rows[4][4]);
     assert!(stderr(&output).contains("1 of 8 rows have no result"), "{}", stderr(&output));
@@ -481,7 +481,7 @@ fn sweep_writes_a_full_grid_and_a_plot() {
         "out.svg",
     ];
     let output = bsm(dir.path(), &plotted, "");
-    // The plot is drawn even if some rows have no result.
+    // The plot must be drawn even if some rows have no result.
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     let svg = fs::read_to_string(dir.path().join("out.svg")).expect("plot");
     for part in ["<svg", "lead angle, deg", "efficiency", "contact angle 60 deg"] {
@@ -492,7 +492,7 @@ fn sweep_writes_a_full_grid_and_a_plot() {
     assert_eq!((lines.lines().count(), &first["lead_angle_deg"]), (16, &Value::from(5.0)));
 }
 
-/// For the same point, a row of a sweep and a single solve must give the same results.
+/// A row of a sweep and a single solve must give the same results for the same point.
 #[test]
 fn sweep_rows_match_single_solves() {
     let dir = folder();
@@ -604,8 +604,8 @@ fn sweep_reports_rows_with_several_solutions() {
     assert!(said.contains("2 other steady motions") && said.contains("0.921331"), "{said}");
 }
 
-/// The efficiency jumps where the other raceway takes control. Every table format must name the
-/// controlling raceway in a text column.
+/// The efficiency jumps where control of the ball passes from one raceway to the other. In every
+/// table format, a text column must name the controlling raceway.
 #[test]
 fn tables_name_the_controlling_raceway() {
     let dir = folder();
@@ -731,8 +731,8 @@ fn help_and_completions_work() {
         .envs([("COMPLETE", "bash"), ("_CLAP_COMPLETE_INDEX", "1")])
         .output();
     assert_eq!(stdout(&candidates.expect("the program runs")).trim(), "select");
-    // Without arguments, the program prints its help text. A misspelled command causes a usage
-    // error.
+    // Without arguments, the program must print its help text. A misspelled command must cause a
+    // usage error.
     for args in [&[][..], &["sovle"]] {
         let output = bsm(dir.path(), args, "");
         assert_eq!(output.status.code(), Some(2));

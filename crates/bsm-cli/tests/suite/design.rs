@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::program::{bsm, example, folder, json, stderr, stdout};
 
-/// Follows the guide from a requirement to a case and then to a solved motion.
+/// Follows the steps of the guide from a requirement to a case and then to a solved motion.
 #[test]
 fn a_selected_screw_can_be_solved() {
     let dir = folder();
@@ -28,9 +28,9 @@ fn a_selected_screw_can_be_solved() {
     assert!(stdout(&output).contains("pressure_limit_MPa"));
 }
 
-/// If no screw meets the requirement, the command must name the limit that prevents it and state by
-/// how much the limit is missed. It must write no case and exit with code 3. Invalid input must
-/// cause exit code 2.
+/// If no screw meets the requirement, the command must name the violated limit and state by how
+/// much it is missed. The command must write no case and exit with code 3. Invalid input must cause
+/// exit code 2.
 #[test]
 fn error_for_an_unattainable_requirement_names_the_violated_limit() {
     let dir = folder();
@@ -127,15 +127,15 @@ fn bad_catalog_requests_are_reported() {
     let output = bsm(dir.path(), &[&["select"], &heavy[..]].concat(), "");
     assert_eq!(output.status.code(), Some(3));
     assert!(stdout(&output).contains("and the nearest nut has"), "{}", stdout(&output));
-    // Columns used by `--sort` and `--where` are shown on the screen.
+    // Columns that `--sort` and `--where` use must be shown on the screen.
     let named = ["--sort", "clearance_per_turn_mm", "--where", "nut_length_mm<=50", "--first", "3"];
     let output = stdout(&bsm(dir.path(), &[&["select"], &named[..]].concat(), ""));
     for name in ["clearance_per_turn_mm", "nut_length_mm"] {
         assert!(output.contains(name), "{output}");
     }
     assert!(!output.contains("nut_bore_mm"), "{output}");
-    // Regression test: if no nut in the list matched, the program printed nothing on standard
-    // output and named no limit.
+    // Regression test: if no nut in the list met the requirement, the program printed nothing on
+    // standard output and named no limit.
     let requirement = example("requirements/feed_drive.json");
     let long = ["--set", "required_life_h=100000"];
     let args =
@@ -165,7 +165,7 @@ fn bad_catalog_requests_are_reported() {
     let output = bsm(dir.path(), &["select", "--from", "lists.json"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("lists.json: unknown key `turns`"), "{}", stderr(&output));
-    // The printed lists must be accepted as input.
+    // The printed lists must be valid input for `--from`.
     let lists = stdout(&bsm(dir.path(), &["select", "--show", "lists"], ""));
     fs::write(dir.path().join("lists.json"), lists).expect("written");
     let output = bsm(
@@ -178,8 +178,8 @@ fn bad_catalog_requests_are_reported() {
     assert_eq!(figures, 26);
 }
 
-/// Regression test: figures were drawn for a fixed nut. With the lists of Fig 3 of Sobolewski
-/// (2002), eight tables therefore contained only a header.
+/// Regression test: figures were drawn for a fixed nut instead of the listed nuts. With the lists
+/// of Fig 3 of Sobolewski (2002), eight tables therefore contained only a header.
 #[test]
 fn figures_are_drawn_for_the_listed_sizes() {
     let dir = folder();
@@ -210,7 +210,7 @@ fn figures_are_drawn_for_the_listed_sizes() {
     fs::write(dir.path().join("lists.json"), lists("[10]")).expect("written");
     let output = bsm(dir.path(), &args, "");
     assert!(stderr(&output).contains("two nuts that differ"), "{}", stderr(&output));
-    // Only the requested figures must be drawn.
+    // Only figures with the requested nuts must be drawn.
     let args = [
         "select",
         "--from",
@@ -240,7 +240,7 @@ fn friction_is_fitted_to_a_torque() {
     let args = ["solve", &feed_drive, "--model", "traction", "--set", &setting, "--json"];
     let solved = json(&stdout(&bsm(dir.path(), &args, "")));
     let torque = solved["ball_torque_Nm"].as_f64().expect("converged");
-    // The search stops at an error of 5e-11 in the friction coefficient.
+    // The search stops when the error of the friction coefficient is below 5e-11.
     assert!((torque - 26.0).abs() < 1e-7, "{torque}");
     let args = ["fit", &feed_drive, "--measured", "screw_torque_Nm=1"];
     let output = bsm(dir.path(), &args, "");
@@ -282,7 +282,7 @@ fn inputs_are_fitted_to_a_table() {
     let seal = answer["found"]["seal_torque_Nm"]["value"].as_f64().expect("a number");
     assert!((0.0..=1.0).contains(&seal), "{answer}");
     assert_eq!(answer["points"].as_array().map(Vec::len), Some(4));
-    // The same points are read from a table with semicolons and decimal commas.
+    // The same points are read from a table with semicolons as separators and with decimal commas.
     let commas = points.replace(',', ";").replace('.', ",");
     fs::write(dir.path().join("measured.csv"), commas).expect("a file");
     let dialect = ["--delimiter", "semicolon", "--decimal", "comma", "--json"];
@@ -296,7 +296,7 @@ fn inputs_are_fitted_to_a_table() {
 /// The 90 % interval of the torque of a lubricated screw is printed by default. With `--show` or
 /// `--json`, it is included only on request.
 #[test]
-fn json_contains_the_friction_band_on_request() {
+fn json_contains_the_friction_interval_only_on_request() {
     let dir = folder();
     let oil = example("feed_drive_oil.json");
     let said = |more: &[&str]| {
@@ -321,17 +321,18 @@ fn the_optimum_search_matches_the_closed_form() {
     let number = |value: &Value, name: &str| value[name].as_f64().expect("an optimum");
     let found = number(&answer["by_model"], "optimum_contact_angle_deg");
     let exact = number(&answer, "rotary_to_linear_optimum_contact_angle_deg");
-    // Near a flat minimum, the position is accurate to only half as many digits as the efficiency.
+    // Near a flat maximum, the position is accurate to only half as many digits as the efficiency.
     assert!((found - exact).abs() < 1e-5, "{found} {exact}");
     let output = bsm(dir.path(), &["solve", &lin, "--show", "optimum", "--model", "traction"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("nut_conformity"), "{}", stderr(&output));
 }
 
-/// Regression test: a case with only one contact angle used to be rejected. Either contact angle
-/// determines the other. Only those figures of Lin are drawn whose inputs the case contains.
+/// Regression test: a case with a lead angle but no contact angle, or vice versa, was rejected.
+/// Either angle determines the optimum value of the other angle. Of the figures of Lin, only those
+/// must be drawn whose inputs the case contains.
 #[test]
-fn optimum_is_found_if_only_one_contact_angle_is_given() {
+fn optimum_is_found_from_lead_or_contact_angle_alone() {
     let dir = folder();
     let of = |setting: &str| {
         let args = [
@@ -375,8 +376,9 @@ fn optimum_is_found_if_only_one_contact_angle_is_given() {
     assert_eq!(figures(&["solve", &example("lin1994.json"), "--show", "optimum"]), 7);
 }
 
-/// By default, the sizes of manufacturers are used. A user's table of sizes (here the built-in
-/// table with decimal commas) must be used unchanged. Continuous sizes are used only on request.
+/// By default, the program must use manufacturers' sizes. The sizes in a user's table (here the
+/// built-in table with decimal commas) must be used unchanged. Continuous sizes must be used only
+/// on request.
 #[test]
 fn sizes_come_from_manufacturers_or_a_table() {
     let dir = folder();

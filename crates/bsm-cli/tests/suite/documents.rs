@@ -17,7 +17,8 @@ use document::{Document, bsm_arguments, documents};
 use fast::{BLOCKS, Program};
 use tempfile::TempDir;
 
-/// Table of the equations, figures and statements in the papers, with commands that reproduce them.
+/// Table of the equations, figures and statements in the papers, with the commands that reproduce
+/// them.
 const PAPERS: &str = "docs/papers.csv";
 
 fn program() -> (TempDir, Program) {
@@ -31,9 +32,9 @@ fn all_documents() -> Vec<Document> {
     documents(&root()).expect("README and docs")
 }
 
-/// Returns the first relevant difference between two texts. Times may differ because they depend on
-/// the machine. The last printed digit may differ, and so may numbers below 1e-10, the residual at
-/// which the solver stops, because they consist only of rounding errors.
+/// Returns the first relevant difference between two texts. Times may differ, because they depend
+/// on the machine. The last printed digit of a number may also differ. Numbers below 1e-10, the
+/// residual at which the solver stops, may differ because they consist only of rounding errors.
 fn difference(documented: &str, printed: &str) -> Option<String> {
     let cells = |line: &str| -> Vec<String> {
         line.split("  ").map(|cell| cell.trim().to_owned()).filter(|c| !c.is_empty()).collect()
@@ -112,14 +113,15 @@ fn relevant_differences_between_texts_are_found() {
     assert!(difference("158 pass", "159 pass").is_some());
 }
 
-/// Beginnings of shell commands that are not run here, because they build the program or run tests.
+/// Beginnings of the shell commands that this test does not run, because they build the program or
+/// run tests.
 const SET_UP: [&str; 5] =
     ["cargo fetch ", "cargo build ", "cargo test ", "pip install ", "crates/bsm-view/page-solver"];
 
-/// The README contains two setup commands: one command runs the program, and the other command runs
-/// the tests. CI must use exactly these commands.
+/// The README contains two setup commands: one command that runs the program, and one command that
+/// runs the tests. CI must use exactly these commands.
 #[test]
-fn ci_runs_exactly_the_two_commands_of_readme() {
+fn ci_runs_exactly_the_two_setup_commands_of_the_readme() {
     let read = |file: &str| fs::read_to_string(root().join(file)).expect("a file");
     let readme = read("README.md");
     let start = readme.split("\n## ").find(|part| part.starts_with("Start\n")).expect("a section");
@@ -137,9 +139,10 @@ fn ci_runs_exactly_the_two_commands_of_readme() {
     assert!(tests.starts_with("cargo test "), "{tests}");
 }
 
-/// Runs every line of an `sh` fence exactly as documented, in the order of the document, unless it
-/// is in [`SET_UP`]. If a document shows a file under a name, this file exists. Commands in `sh
-/// long` fences take seconds or more even in an optimized build, so they are run with fewer points.
+/// Every line of an `sh` fence, except the lines in [`SET_UP`], must print the documented output.
+/// The lines are run exactly as documented and in the order of the document. The files whose
+/// contents the document shows are created first. Commands in `sh long` fences take seconds or more
+/// even in an optimized build, so they are run with fewer points.
 #[test]
 fn commands_print_the_documented_output() {
     for document in all_documents() {
@@ -168,14 +171,15 @@ fn commands_print_the_documented_output() {
                 let code = output.status.code().expect("an exit code");
                 let stderr = String::from_utf8_lossy(&output.stderr);
                 printed = Some(String::from_utf8(output.stdout).expect("UTF-8"));
-                // The exit code for a missing solution is acceptable if the document shows the
-                // output.
+                // An exit code that indicates a missing solution is acceptable if the document
+                // shows the output of the command.
                 let shown = |b: &document::Block| {
                     b.name == "shown"
                         && document.command_before(b.body.start).as_deref() == Some(line)
                 };
                 let no_solution = code == 3 && blocks.iter().any(shown);
-                // Without the solver of pages, the command checks its inputs and then refuses.
+                // If the build does not contain the solver for saved pages, the command checks its
+                // inputs and then refuses to write a page.
                 let no_page = code == 2 && stderr.contains("cannot write a page, because");
                 assert!(
                     code == 0 || no_solution || no_page,
@@ -217,7 +221,7 @@ fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
             fs::write(folder.join("few.csv"), few.join("\n")).expect("a table");
             words.extend(["--points", "few.csv"].map(str::to_owned));
         }
-        // A server would not end, so the command writes the page to a file instead.
+        // A server would run forever, so the command writes the page to a file instead.
         "view" => {
             words.retain(|word| word != "--open");
             match words.iter().position(|word| word == "-o") {
@@ -230,7 +234,7 @@ fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
     words
 }
 
-/// Checks that the parser finds all commands in the documents.
+/// The parser must find all commands in the documents.
 #[test]
 fn document_parser_finds_all_commands() {
     let count = |name: &str| {
@@ -240,8 +244,8 @@ fn document_parser_finds_all_commands() {
         let shells = fences.iter().filter(|fence| fence.info.split(' ').next() == Some("sh"));
         shells.flat_map(|fence| fence.body.lines()).filter_map(bsm_arguments).count()
     };
-    // These counts were determined by hand when the test was written. Later versions of the
-    // documents may contain more commands.
+    // These numbers of commands were counted by hand when the test was written. Later versions of
+    // the documents may contain more commands.
     assert!(count("README.md") >= 6);
     assert!(count("docs/guide/design.md") >= 6);
 }
@@ -275,7 +279,7 @@ fn every_documented_output_follows_a_command() {
             let path = document.path.display();
             assert!(bsm_arguments(&command).is_some(), "{path}: {command}");
         }
-        // Output that does not belong to a command would become outdated without being noticed.
+        // Output that does not belong to a command could become outdated without being noticed.
         let blocks = document.blocks().expect("markers");
         let places: BTreeSet<_> = blocks.iter().map(|b| b.body.end).collect();
         for fence in document.fences().iter().filter(|f| f.info == "text") {
@@ -426,8 +430,8 @@ fn bare_and_printed_numbers_are_detected() {
     }
 }
 
-/// Runs every command in the table of papers once. The commands of a row must print every
-/// calculated number that the row states.
+/// The commands of each row in the table of papers must print every calculated number that the row
+/// states. Each command is run only once.
 ///
 /// Regression test: ten rows contained numbers that their commands did not print, because only
 /// numbers in backquotes were compared.
@@ -465,7 +469,8 @@ fn commands_in_the_papers_table_print_the_stated_numbers() {
         for command in &row.commands {
             let output = &answers[command.as_str()];
             let (code, stderr) = (output.status.code(), said(&output.stderr));
-            // The exit code for a missing solution is acceptable if the row mentions it.
+            // An exit code that indicates a missing solution is acceptable if the row mentions this
+            // exit code.
             let no_solution = code == Some(3) && row.text.contains("exit code 3");
             assert!(code == Some(0) || no_solution, "{command}: exit code {code:?}: {stderr}");
             printed.push_str(&said(&output.stdout));
@@ -485,8 +490,8 @@ fn commands_in_the_papers_table_print_the_stated_numbers() {
     }
 }
 
-/// Parses a row with commands and a verdict. The page that accompanies the table must state how
-/// many verdicts of each kind each paper has.
+/// The parser must find the commands and the verdict in a row. The page that accompanies the table
+/// must state how many verdicts of each kind each paper has.
 #[test]
 fn papers_table_is_parsed_and_its_page_counts_the_verdicts() {
     let text = "paper,item,equation,command,paper_value,our_value,verdict\n\

@@ -22,8 +22,8 @@ large,B,50,20,80000,150000,900,0.28 Ca
 slow,C,40,10,60000,120000,800,0.3 Ca
 ";
 
-/// Filters, sorting, columns in any unit and all table formats must work for a manufacturer's table
-/// as they do for standard sizes. Text columns are kept, and the case of the first nut contains its
+/// Filters, sorting, column units and table formats must work for a manufacturer's table as they do
+/// for standard sizes. Text columns must be kept, and the case of the first nut must contain its
 /// order code.
 #[test]
 fn list_options_apply_to_a_table_of_nuts() {
@@ -62,7 +62,7 @@ fn list_options_apply_to_a_table_of_nuts() {
     assert_eq!(cells.len(), 2, "{csv}");
     assert_eq!([cells[0][0], cells[0][2], cells[1][0]], ["large", "B", "small"]);
     let lead: f64 = cells[0][1].parse().expect("a number");
-    // The conversion to inches requires only one division.
+    // The conversion to inches is a single division, so only a rounding error is permitted.
     assert!((lead - 20.0 / 25.4).abs() < 1e-12, "{lead}");
     for name in ["list.xlsx", "list.jsonl", "list.parquet"] {
         assert!(fs::metadata(path.join(name)).expect("a file").len() > 50, "{name}");
@@ -72,7 +72,7 @@ fn list_options_apply_to_a_table_of_nuts() {
         (&case["order_code"], &case["rated_rigidity_at"]),
         (&Value::from("large"), &Value::from("0.28 Ca"))
     );
-    // The stiffness stated in the catalog is used.
+    // The stiffness stated in the catalog must be used.
     let rows = json(&with(&["--first", "1", "--sort", "lead_mm", "--json"]));
     let row = &rows.as_array().expect("rows")[0];
     assert_eq!((&row["nut"], &row["texts"]["supplier"]), (&Value::from("slow"), &Value::from("C")));
@@ -90,8 +90,9 @@ fn list_options_apply_to_a_table_of_nuts() {
     assert!(stderr(&misspelled).contains("lead_mm"), "{}", stderr(&misspelled));
 }
 
-/// Rows that contradict their own geometry must be named: here a ball that is too large for the
-/// lead, and a row whose ratio of calculated to stated rating is far from the median of the table.
+/// Rows that contradict their own geometry must be named. In this table, one ball is too large for
+/// the lead, and one row has a ratio of calculated to stated rating that is far from the median of
+/// the table.
 #[test]
 fn rows_that_contradict_their_geometry_are_reported() {
     let dir = folder();
@@ -152,7 +153,7 @@ fn answers_are_displayed_in_inch_units() {
     assert!(largest.contains(&"lbf".to_owned()), "{largest:?}");
     let value: f64 = largest.last().expect("a number").parse().expect("a number");
     let newtons = metric["results"]["largest_load_N"].as_f64().expect("a load");
-    // The tolerance applies to numbers that are printed with five digits.
+    // The tolerance allows for the rounding of printed numbers to five digits.
     assert!((value * 4.448_221_615 / newtons - 1.0).abs() < 1e-4, "{value} {newtons}");
     assert!(shown.contains("peak motor torque") && !shown.contains("  N m  "), "{shown}");
     let sheet = fs::read_to_string(path.join("sheet.html")).expect("a sheet");
@@ -174,8 +175,8 @@ fn answers_are_displayed_in_inch_units() {
     assert!(list.contains("lead_in") && list.contains("dynamic_load_rating_lbf"), "{list}");
 }
 
-/// The sheet can be used for ordering and signing. It must contain the manufacturer, the order
-/// code, the process force of each phase, and fields for signatures.
+/// The sheet must contain everything that an order requires: the manufacturer, the order code, the
+/// process force of each phase, and fields for signatures.
 #[test]
 fn sheet_contains_process_force_and_signature_fields() {
     let dir = folder();
@@ -208,11 +209,11 @@ fn sheet_contains_process_force_and_signature_fields() {
     ] {
         assert!(sheet.contains(words), "{words}");
     }
-    // An entry of the order must not repeat its own title.
+    // The value of an order entry must not repeat the title of the entry.
     assert!(!sheet.contains(">thread 1"), "{sheet}");
 }
 
-/// For a table of nuts, the program draws figures of the ratings in display units.
+/// For a table of nuts, the program must draw figures of the ratings in display units.
 #[test]
 fn figures_are_written_for_a_table_of_nuts() {
     let dir = folder();
@@ -230,7 +231,7 @@ fn figures_are_written_for_a_table_of_nuts() {
     run(path, &["select", "--from", "table.csv", "--units", "inch", "--figures", "inch"]);
     let rating = read("inch", "nuts-dynamic-rating.csv");
     assert!(rating.contains("nominal diameter, in") && rating.contains("rating, klbf"), "{rating}");
-    // Only the nuts that meet the conditions are drawn.
+    // Only the nuts that meet the conditions must be drawn.
     run(path, &["select", "--from", "table.csv", "--where", "lead_mm>=20", "--figures", "some"]);
     assert!(!read("some", "nuts-dynamic-rating.csv").contains("13.533"));
 }

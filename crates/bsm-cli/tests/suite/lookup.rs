@@ -22,8 +22,8 @@ fn matrix(lines: &[&str], between: char) -> Vec<Vec<f64>> {
     lines.iter().map(row).collect()
 }
 
-/// The lookup table must contain the same numbers as the ordinary table. Its rows correspond to the
-/// first axis and its columns to the second axis.
+/// The lookup table must contain the same numbers as the ordinary table. Its rows must correspond
+/// to the first varied input and its columns to the second varied input.
 #[test]
 fn lookup_table_matches_the_ordinary_table() {
     let dir = folder();
@@ -65,7 +65,7 @@ fn lookup_table_matches_the_ordinary_table() {
 
 /// With one varied input, a single table must contain all outputs.
 #[test]
-fn all_outputs_over_one_varied_input_are_in_one_lookup_table() {
+fn lookup_table_of_one_varied_input_contains_all_outputs() {
     let dir = folder();
     let options =
         [&SPEED[..], &["--columns", "efficiency,ball_torque_Nm", "-o", "map.txt"]].concat();

@@ -20,8 +20,8 @@ mod schemas;
 mod size;
 mod tables;
 
-// This private module is included and tested directly. The program itself is compiled once, without
-// this test.
+// The private module `progress` is included here, so that its own tests are run. The program itself
+// is compiled once, without tests.
 #[expect(dead_code, reason = "bars are drawn by the program")]
 #[path = "../../src/progress.rs"]
 mod progress;

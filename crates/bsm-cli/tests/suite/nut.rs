@@ -15,14 +15,14 @@ fn answer(case: &str, args: &[&str]) -> (Option<i32>, Value, String) {
 
 /// Runs `bsm nut` for a case that must be rejected, and returns the message.
 fn rejection_message(change: &Value, args: &[&str]) -> String {
-    let mut case = single();
+    let mut case = single_nut();
     case.as_object_mut().expect("object").extend(change.as_object().expect("object").clone());
     let (code, _, words) = answer(&case.to_string(), args);
     assert_eq!(code, Some(2), "{change}: {words}");
     words
 }
 
-fn single() -> Value {
+fn single_nut() -> Value {
     json!({
         "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 10,
         "contact_angle_deg": 45, "nut_conformity": 0.5203, "screw_conformity": 0.5203,
@@ -31,7 +31,7 @@ fn single() -> Value {
     })
 }
 
-/// Converts a reference case to a case of this program, with the loads as inputs.
+/// Converts a reference case to a case of this program whose loads are inputs.
 fn case_from_reference(reference: &Value) -> Value {
     let mut case = reference["case"].clone();
     let loads = reference["load_SI"].as_object().expect("loads");
@@ -67,11 +67,12 @@ fn case_from_reference(reference: &Value) -> Value {
     case
 }
 
-/// Compares every number of `expect` by name. The relative tolerance (1e-9) is stated in the
-/// reference case. Because some numbers are zero by symmetry, the tolerance is relative to at least
-/// a thousandth of the largest number of the list or, for forces that cancel, of the sum of all
-/// ball loads. For ball loads, it is relative to at least a millionth of the largest load (chapter
-/// 11.10 of the source of the reference cases).
+/// Every number in `expect` must agree with the number of the same name in the answer. The
+/// reference case states the relative tolerance (1e-9). Some numbers are zero by symmetry.
+/// Therefore, the tolerance of a number is relative to at least a thousandth of the largest number
+/// in its list or, for forces that cancel, of the sum of all ball loads. For ball loads, the
+/// tolerance is relative to at least a millionth of the largest load (chapter 11.10 of the source
+/// of the reference cases).
 #[test]
 fn nut_results_match_the_reference_cases() {
     let cases = fs::read_to_string(root().join("validation/published/nut/public.json"));
@@ -82,14 +83,14 @@ fn nut_results_match_the_reference_cases() {
         let (code, found, words) = answer(&case_from_reference(reference).to_string(), &[]);
         if reference["case"]["lead_mm"] == 0.0 {
             // This program does not accept a bearing as a case. The tests of bsm-nut compare the
-            // results for the bearing.
+            // results for this bearing.
             assert_eq!(code, Some(2), "{name}: {words}");
             assert!(words.contains("`lead_mm` = 0 must be a finite number > 0"), "{words}");
             continue;
         }
         assert_eq!(code, Some(0), "{name}: {words}");
-        // The inner diameter of the ring is 45.82613 mm here and 45.826 mm in the reference cases.
-        // This relative difference of 3e-6 slightly affects the stiffness.
+        // The inner diameter of the ring is 45.82613 mm in this program and 45.826 mm in the
+        // reference cases. This relative difference of 3e-6 slightly affects the stiffness.
         let has_ring = !reference["case"]["ring"].is_null();
         let exact = reference["rel_tol"].as_f64().expect("tolerance");
         let tolerance = if has_ring { 1e-5 } else { exact };
@@ -129,14 +130,15 @@ fn nut_results_match_the_reference_cases() {
     }
 }
 
-/// Short inputs must be equivalent to complete objects. The axial stiffness of nut and screw is
-/// calculated from anchors and diameters (chapter 16). The nut pair of case P06 is calculated from
-/// its preload; its results agree to within 1e-8, the tolerance of the preload search.
+/// Short forms of inputs must be equivalent to complete objects. The axial stiffness values of nut
+/// and screw are calculated from anchors and diameters (chapter 16). The nut pair of case P06 is
+/// calculated from its preload; its results must agree to within 1e-8, the tolerance of the preload
+/// search.
 #[test]
-fn short_inputs_are_equivalent_to_objects() {
+fn short_nut_inputs_are_equivalent_to_complete_objects() {
     let same = |short: &Value, long: &Value, tolerance: f64| {
         let run = |change: &Value| {
-            let mut case = single();
+            let mut case = single_nut();
             let map = case.as_object_mut().expect("object");
             map.extend(change.as_object().expect("object").clone());
             map.retain(|_, value| !value.is_null());
@@ -192,8 +194,8 @@ fn short_inputs_are_equivalent_to_objects() {
     same(&json!({ "preload_N": 3000, "axial_load_N": 3000 }), &pair, 1e-8);
 }
 
-/// Ambiguous or contradictory inputs must be rejected. The message states the path of the invalid
-/// input.
+/// Ambiguous or contradictory inputs must be rejected. The message must state the JSON path of the
+/// invalid input.
 #[test]
 fn contradictory_nut_inputs_are_rejected() {
     let circuit = json!({ "start_deg": 0, "arc_deg": 330, "balls": 18 });
@@ -255,22 +257,22 @@ fn contradictory_nut_inputs_are_rejected() {
 /// ball.
 #[test]
 fn set_option_accepts_text_values() {
-    let (_, found, words) = answer(&single().to_string(), &["--set", "nut_guidance=free"]);
+    let (_, found, words) = answer(&single_nut().to_string(), &["--set", "nut_guidance=free"]);
     assert!(found["nut_tilt_urad"].as_f64().expect("a tilt") > 1.0, "{words}");
     let pulled = ["--set", "axial_load_N=-6340"];
-    let (_, pulled, _) = answer(&single().to_string(), &pulled);
-    let (_, pushed, _) = answer(&single().to_string(), &[]);
+    let (_, pulled, _) = answer(&single_nut().to_string(), &pulled);
+    let (_, pushed, _) = answer(&single_nut().to_string(), &[]);
     // Both flanks have the same shape, so a reversed load changes only signs.
     for key in ["max_contact_load_N", "life_by_balls_revolutions"] {
         assert_eq!(pulled[key], pushed[key], "{key}");
     }
     let (code, none, _) = answer(
-        &single().to_string(),
+        &single_nut().to_string(),
         &["--set", "axial_load_N=-500", "--set", "loaded_turns=1", "--set", "nut_guidance=free"],
     );
     assert_eq!(code, Some(0), "{none}");
     // A circuit that is loaded on one flank cannot carry a load in the opposite direction.
-    let mut case = single();
+    let mut case = single_nut();
     let map = case.as_object_mut().expect("object");
     map.retain(|key, _| !key.starts_with("loaded"));
     case["circuits"] = json!([{ "start_deg": 0, "arc_deg": 720, "balls": 40, "flank": "+" }]);
@@ -283,8 +285,8 @@ fn set_option_accepts_text_values() {
     );
 }
 
-/// For a preloaded nut, the three stiffness values must match their definitions, no preload must
-/// remain at the limit load, and a note must explain the torque.
+/// For a preloaded nut, the three stiffness values must match their definitions, the remaining
+/// preload must be zero at the limit load, and a note must explain the torque.
 #[test]
 fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
     let dir = folder();
@@ -297,7 +299,8 @@ fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
     assert!((of("preload_stiffness_3_N_um") / two - 1.5).abs() < 1e-12);
     assert!((of("preload_stiffness_2_83_N_um") / two - 2.0_f64.sqrt()).abs() < 1e-12);
     assert!((of("cold_preload_N") - 3000.0).abs() < 1e-4, "the bracket of the preload");
-    // For the contact angles at typical preloads, the ratio is 2.86 to 2.91 (chapter 16).
+    // For the contact angles that occur at typical preloads, the ratio is 2.86 to 2.91 (chapter
+    // 16).
     let ratio = of("limit_load_N") / of("cold_preload_N");
     assert!((2.8..2.95).contains(&ratio), "{ratio}");
     // For a dry friction coefficient of 0.06, K_p is 0.033, which is a third of the smallest
@@ -355,7 +358,7 @@ fn ball_table_displacement_curve_and_figures_are_written() {
     assert_eq!(balls.len(), 1 + 98);
     let curve = rows("curve.csv");
     assert!(curve[0].starts_with("axial_load_N,nut_displacement_um"), "{}", curve[0]);
-    // As the load increases, the displacement increases and the preload decreases.
+    // As the load increases, the displacement must increase and the preload must decrease.
     let column = |i: usize| -> Vec<f64> {
         curve[1..]
             .iter()
@@ -372,10 +375,10 @@ fn ball_table_displacement_curve_and_figures_are_written() {
     }
 }
 
-/// Samples must depend only on the seed and not on the number of threads. The first sample is the
-/// nut of the case itself.
+/// Samples must depend only on the seed and not on the number of threads. The first sample must be
+/// the nut of the case itself.
 #[test]
-fn samples_depend_on_the_seed_alone() {
+fn random_nuts_depend_only_on_the_seed() {
     let dir = folder();
     let case = example("nut_scattered.json");
     let run = |threads: &str, seed: &str| {
@@ -396,8 +399,8 @@ fn samples_depend_on_the_seed_alone() {
     assert!(values[0] > 1.1, "scattered balls share unevenly: {values:?}");
 }
 
-/// Nut results can be calculated as columns of a sweep. A row must have the same results as `bsm
-/// nut`.
+/// Nut results must be available as columns of a sweep, and a row must have the same results as
+/// `bsm nut`.
 #[test]
 fn nut_results_are_available_as_sweep_columns() {
     let dir = folder();
@@ -425,13 +428,13 @@ fn name_in_program(key: &str) -> &str {
     if key == "life_revolutions" { "life_by_balls_revolutions" } else { key }
 }
 
-/// Returns a number from an answer by its name in the reference data.
+/// Returns a number from an answer. `key` is the name of the number in the reference data.
 fn number(found: &Value, key: &str) -> f64 {
     found[name_in_program(key)].as_f64().unwrap_or_else(|| panic!("{key}: {found}"))
 }
 
 /// Returns a case with a nut pair of size 41.3 x 12 mm and a preload of 2500 N.
-fn pair(change: &Value) -> Value {
+fn nut_pair(change: &Value) -> Value {
     let mut case = json!({
         "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 12,
         "contact_angle_deg": 45, "nut_conformity": 0.53, "screw_conformity": 0.53,
@@ -445,15 +448,15 @@ fn pair(change: &Value) -> Value {
 }
 
 /// A preload force must apply to the cold nut, and temperatures must change the preload. Regression
-/// test: temperatures changed the preload only if it was given as an offset; a preload force was
-/// applied to the warm nut without a note. By default, the nuts of a pair are pushed apart (O
-/// arrangement). A given offset keeps its sign, and given flanks are used unchanged.
+/// test: temperatures changed only a preload that was given as an offset, whereas a preload force
+/// was applied to the warm nut without a note. By default, the nuts of a pair must be pushed apart
+/// (O arrangement). A given offset must keep its sign, and given flanks must be used unchanged.
 #[test]
 fn a_preload_force_applies_to_the_cold_nut() {
     let warm = |change: Value| {
         let mut change = change;
         change["screw_temperature_rise_K"] = json!(5);
-        let (code, found, words) = answer(&pair(&change).to_string(), &[]);
+        let (code, found, words) = answer(&nut_pair(&change).to_string(), &[]);
         assert_eq!(code, Some(0), "{change}: {words}");
         found
     };
@@ -502,39 +505,39 @@ fn a_preload_force_applies_to_the_cold_nut() {
             "applies only to a pair of nuts",
         ),
     ] {
-        let (code, _, said) = answer(&pair(&change).to_string(), &[]);
+        let (code, _, said) = answer(&nut_pair(&change).to_string(), &[]);
         assert!(code == Some(2) && said.contains(words), "{change}: {said}");
     }
 }
 
-/// The limit load used to be negative for a load in the negative direction, but was compared with the
-/// magnitude of the load, so that a symmetric pair failed in this direction.
+/// Regression test: for a load in the negative direction, a negative limit load was compared with
+/// the magnitude of the load. Therefore, a symmetric pair failed the rule in this direction.
 #[test]
 fn remaining_preload_does_not_depend_on_the_direction_of_the_load() {
     let margin = |load: f64| {
         let axis = json!({ "axial_load_N": load, "stroke_mm": 800, "support": "fixed-supported" });
         let dir = folder();
-        let output = bsm(dir.path(), &["axis", "-", "--json"], &pair(&axis).to_string());
+        let output = bsm(dir.path(), &["axis", "-", "--json"], &nut_pair(&axis).to_string());
         let sheet: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
         let rules = sheet["rules"].as_array().expect("rules");
         let rule = rules.iter().find(|rule| rule["rule"] == "remaining preload").expect("a rule");
         assert_eq!(rule["passes"], Value::Bool(true), "{rule}");
         number(rule, "margin")
     };
-    // Both nuts of the pair are equal, so the margins differ only by the tolerance of the root of
-    // the limit load.
+    // The two nuts of the pair are identical, so the margins differ only by the tolerance of the
+    // search for the limit load.
     assert!((margin(-3000.0) / margin(3000.0) - 1.0).abs() < 1e-6);
 }
 
 /// Regression test: the axis sheet used temperature rises to calculate the lives, but stated that
-/// the preload does not depend on temperature.
+/// the preload does not depend on the temperature.
 #[test]
 fn nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
     let axis = json!({
         "screw_temperature_rise_K": 5, "preload_arrangement": "X", "axial_load_N": 3000,
         "stroke_mm": 800, "support": "fixed-supported", "youngs_modulus_GPa": 207
     });
-    let case = pair(&axis).to_string();
+    let case = nut_pair(&axis).to_string();
     let (_, nut, _) = answer(&case, &[]);
     let dir = folder();
     let output = bsm(dir.path(), &["axis", "-", "--json"], &case);
@@ -548,13 +551,13 @@ fn nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
         "{sheet}"
     );
     let life = number(&sheet["results"], "cycle_life_revolutions");
-    // The life of the warm pair according to ISO 3408-5 equals the life from `bsm nut`, apart from
-    // rounding errors.
+    // The life of the warm pair according to ISO 3408-5 must equal the life from `bsm nut`, apart
+    // from rounding errors.
     assert!((life / number(&nut, "iso_life_revolutions") - 1.0).abs() < 1e-9, "{life}");
 }
 
-/// Regression test: contact angles of 93.8 to 150.9 deg, -3.8 deg and -48.9 deg used to be accepted
-/// as results.
+/// Regression test: contact angles of 93.8 to 150.9 deg, -3.8 deg and -48.9 deg were accepted as
+/// results.
 #[test]
 fn a_ball_outside_its_groove_is_rejected() {
     for (case, set) in [
@@ -573,7 +576,7 @@ fn a_ball_outside_its_groove_is_rejected() {
 }
 
 /// Regression test: the search took 0.1 s for every ball without a solution, so that a nut with a
-/// thousand balls had not finished after 200 s.
+/// thousand balls was still not solved after 200 s.
 #[test]
 fn first_ball_without_a_solution_ends_the_search() {
     let case = fs::read_to_string(example("nut_free.json")).expect("an example");
@@ -587,7 +590,8 @@ fn first_ball_without_a_solution_ends_the_search() {
     case["axial_load_N"] = json!(1);
     let begun = std::time::Instant::now();
     let (code, found, words) = answer(&case.to_string(), &["--model", "elastic"]);
-    // At 0.1 s per ball, the search would take 100 s. A slow machine takes a few seconds.
+    // At 0.1 s per ball, the search would take 100 s. Even a slow machine should take only a few
+    // seconds.
     assert!(begun.elapsed().as_secs() < 60, "{:?}", begun.elapsed());
     assert_eq!(code, Some(0), "{words}");
     assert!(found["friction_torque_Nm"].is_null(), "{found}");
@@ -599,8 +603,8 @@ fn first_ball_without_a_solution_ends_the_search() {
     );
 }
 
-/// Regression test: the upper bound of the contact load of a pair without preload assumed that both
-/// nuts carry the load. A contact load of 505.6 N exceeded its bound of 476.8 N.
+/// Regression test: the upper bound of the contact load was calculated as if both nuts of a pair
+/// without preload carried the load. A contact load of 505.6 N exceeded its bound of 476.8 N.
 #[test]
 fn contact_load_of_a_pair_without_preload_has_no_upper_bound() {
     let case = fs::read_to_string(example("nut_double.json")).expect("an example");
@@ -623,9 +627,9 @@ fn contact_load_of_a_pair_without_preload_has_no_upper_bound() {
     assert!(number(&found, "load_bound_N") >= number(&found, "max_contact_load_N"), "{found}");
 }
 
-/// Regression test: earlier versions printed an efficiency of -19 without mentioning self-locking
-/// and the message "NaN of their sum is left". They accepted overlapping circuits, an arc of 1e308
-/// deg, and a ball without force balance in a converged nut.
+/// Regression test: earlier versions printed an efficiency of -19 without mentioning self-locking,
+/// and the message "NaN of their sum is left". They also accepted overlapping circuits, an arc of
+/// 1e308 deg, and a converged nut in which a ball had no force balance.
 #[test]
 fn unusual_nuts_are_rejected_or_explained() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
@@ -638,7 +642,7 @@ fn unusual_nuts_are_rejected_or_explained() {
     assert!(!found["message"].to_string().contains("NaN"), "{found}");
     let nothing = json!({ "loaded_turns": null, "loaded_balls_per_turn": null });
     let with = |circuits: Value| {
-        let mut case = single();
+        let mut case = single_nut();
         let map = case.as_object_mut().expect("object");
         map.extend(nothing.as_object().expect("object").clone());
         map.retain(|_, value| !value.is_null());
@@ -660,8 +664,8 @@ fn unusual_nuts_are_rejected_or_explained() {
     assert!(words.contains("is larger than its groove"), "{words}");
 }
 
-/// Regression test: `nut` determined the number of balls from circuits and gaps. `solve` did not,
-/// and chose a model that calculates no loads.
+/// Regression test: `nut` determined the number of balls from circuits and gaps, but `solve` did
+/// not and chose a model that calculates no loads.
 #[test]
 fn solve_counts_the_balls_of_circuits_with_gaps() {
     let dir = folder();
@@ -702,7 +706,8 @@ fn the_example_nut_is_solved() {
     let output =
         bsm(dir.path(), &["solve", &example("nut.json"), "--show", "ratings", "--json"], "");
     let rated: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
-    // The preload must be equal to the preload of the ratings. The search finds it to within 1e-8.
+    // The preload must be equal to the preload of the ratings. The search determines the preload
+    // with an error of up to 1e-8.
     let ratio = number(&found, "cold_preload_N") / number(&rated, "preload_N");
     assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
     assert!(
@@ -744,8 +749,8 @@ fn nut_friction_vanishes_at_zero_load() {
         let (code, found, words) = answer(&nut, &settings);
         assert_eq!(code, Some(0), "{words}");
         let friction = number(&found, "friction_torque_Nm");
-        // The upper limit is the torque of gross sliding with the boundary friction coefficient
-        // 0.12 at the pitch radius of 20.75 mm. The sum of the ball loads is less than twice the
+        // The upper limit is the torque of gross sliding at the pitch radius of 20.75 mm with the
+        // boundary friction coefficient 0.12. The sum of the ball loads is less than twice the
         // axial load.
         assert!(friction > 0.0 && friction < 0.12 * 0.02075 * 2.0 * load, "{load} N: {friction}");
     }
@@ -778,10 +783,10 @@ fn nut_and_axis_add_the_weight_to_the_axial_load() {
     assert!((largest - 3980.665).abs() < 1e-9, "{largest}");
 }
 
-/// Regression test: the ratings and `bsm axis` rejected the example feed drive because the case
-/// does not state the number of loaded turns.
+/// Regression test: `solve --show ratings` and `axis` rejected the example feed drive, because the
+/// case does not state the number of loaded turns.
 #[test]
-fn example_feed_drives_work_in_ratings_axis_and_nut() {
+fn ratings_axis_and_nut_accept_the_example_feed_drives() {
     let dir = folder();
     for case in ["feed_drive.json", "feed_drive_oil.json"] {
         for args in [
@@ -795,7 +800,8 @@ fn example_feed_drives_work_in_ratings_axis_and_nut() {
     }
 }
 
-/// A centrifugal force of 1 % of the load requires no action, so it is a note and not a warning.
+/// A centrifugal force of 1 % of the load requires no action, so it must cause a note and not a
+/// warning.
 #[test]
 fn small_centrifugal_force_causes_a_note_and_no_warning() {
     let guided = fs::read_to_string(example("nut_guided.json")).expect("an example");
@@ -807,14 +813,14 @@ fn small_centrifugal_force_causes_a_note_and_no_warning() {
     assert!(said(&fast, "warnings"), "{fast}");
 }
 
-/// Regression test: seals and ball returns in a case were ignored silently.
+/// Regression test: given losses of seals and ball returns were ignored without a message.
 #[test]
 fn given_losses_are_included_in_the_drive_torque() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
     let (_, dry, _) = answer(&double, &[]);
     let (_, sealed, _) = answer(&double, &["--set", "seal_torque_Nm=0.1"]);
     let speed = 500.0 * std::f64::consts::PI / 30.0;
-    // Both torques consist of the same terms, so they differ only by rounding errors.
+    // Both torques are sums of the same contributions, so they differ only by rounding errors.
     assert!(
         (number(&sealed, "drive_torque_Nm") - number(&dry, "drive_torque_Nm") - 0.1).abs() < 1e-12
     );
@@ -840,13 +846,13 @@ fn given_losses_are_included_in_the_drive_torque() {
     let (_, returned, _) = answer(&oiled.to_string(), &[]);
     let returns = number(&returned, "return_torque_Nm");
     assert!(number(&plain, "return_torque_Nm").abs() <= 0.0, "{words}");
-    // According to (Y26), each of the six returns dissipates twice the kinetic energy of every
-    // passing ball. The balls travel at half the speed of the screw.
+    // According to (Y26), each of the six ball returns dissipates twice the kinetic energy of every
+    // ball that passes through it. The balls travel at half the speed of the screw.
     let (mass, travel) =
         (7800.0 * std::f64::consts::PI / 6.0 * 6.35e-3_f64.powi(3), 0.5 * speed * 20.73e-3);
     let power = 6.0 * 2.0 * 0.5 * mass * travel.powi(3) / 6.35e-3;
-    // The orbital speed of a ball is within about 15 % of half the screw speed, and the power is
-    // proportional to its third power.
+    // The orbital speed of a ball differs from half the screw speed by up to about 15 %, and the
+    // power is proportional to the third power of the orbital speed.
     assert!((0.5..1.6).contains(&(returns * speed / power)), "{returns} {power}");
     let added = number(&returned, "drive_torque_Nm") - number(&plain, "drive_torque_Nm");
     assert!((added / returns - 1.0).abs() < 1e-6, "{added} {returns}");
@@ -887,8 +893,8 @@ fn friction_torque_is_continuous_where_a_ball_leaves_its_second_flank() {
     for rpm in [50.0, -50.0] {
         let [before, after] =
             [0.9999, 1.0001].map(|part| number(&at(part * limit, rpm), "friction_torque_Nm"));
-        // The load changes by 2e-4, so a continuous torque changes by less than 5e-4 (both
-        // relative).
+        // The relative change of the load is 2e-4, so the relative change of a continuous torque is
+        // less than 5e-4.
         assert!((after / before - 1.0).abs() < 5e-4, "{before} {after}");
     }
 }
@@ -910,8 +916,8 @@ fn drag_torque_of_a_pair_with_play_matches_the_reference() {
         assert_eq!(code, Some(0), "{words}");
         found
     };
-    // The columns are the play, the drag coefficient divided by the running force, and the running
-    // force divided by the preload. The values come from validation/published/nut.
+    // The numbers in each row are the play, the drag coefficient, and the ratio of the running
+    // preload to the given preload. The values come from validation/published/nut.
     for (play, running, force) in
         [(0.0, 0.205_056, 0.969_428), (10.0, 0.186_738, 1.024_71), (50.0, 0.052_749, 1.456_62)]
     {
@@ -927,7 +933,7 @@ fn drag_torque_of_a_pair_with_play_matches_the_reference() {
     }
     let [wide, unknown] = [with(Some(200.0)), with(None)];
     let torque = number(&wide, "running_preload_torque_Nm");
-    // In both cases, all balls have two contacts.
+    // With a play of 200 um and with unknown play, every ball has two contacts.
     assert!(
         (number(&unknown, "running_preload_torque_Nm") / torque - 1.0).abs() < 1e-9,
         "{torque}"
@@ -953,8 +959,8 @@ fn warm_nut_pairs_match_an_independent_solution() {
         assert_eq!(code, Some(0), "{}: {words}", reference["id"]);
         for (key, expected) in reference["expect"].as_object().expect("numbers") {
             let (found, expected) = (number(&found, key), expected.as_f64().expect("a number"));
-            // The reference temperatures and results have twelve digits. A temperature change of
-            // one degree would change the preload by several tens of percent.
+            // The reference temperatures and results have twelve digits. For comparison, a
+            // temperature change of one degree would change the preload by several tens of percent.
             assert!(
                 (found / expected - 1.0).abs() < 1e-9,
                 "{} {key}: {found} {expected}",

@@ -1,6 +1,6 @@
 //! Tests of datasets that are solved by many processes, some of which are killed, race each other
-//! or find damaged files. The result must be bit-identical to the result of a single process, or a
-//! clear error must be reported. The long version of these tests is `just faults`.
+//! or find damaged files. The dataset must be bit-identical to the dataset of a single process, or
+//! a clear error must be reported. The long version of these tests is `just faults`.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -50,8 +50,8 @@ fn run_checked(folder: &Path, code: i32, args: &[&str]) -> String {
     words
 }
 
-/// Returns the arguments of a sweep over loads that is divided into 100 parts. A quarter of the
-/// rows have no result.
+/// Returns the arguments of a sweep over loads that is divided into parts. A quarter of the rows
+/// have no result.
 fn sweep<'a>(drive: &'a str, loads: &'a str, output: &'a str, rows: &'a str) -> Vec<&'a str> {
     let vary = ["--vary", loads, "--vary=friction_coefficient=0.05,0.1,0.15,12"];
     let how = ["--model=elastic", "--columns=efficiency,ball_torque_Nm", "--rows-per-part", rows];
@@ -118,8 +118,8 @@ fn a_plan_is_solved_by_several_processes_and_verified() {
     assert!(run(1, &["parts", "check", "nowhere/"]).contains("nowhere/plan.json"));
 }
 
-/// An unrelated or damaged file with the name of a part must be reported and kept. It is replaced
-/// only on request.
+/// An unrelated or damaged file that has the name of a part must be reported and kept. It must be
+/// replaced only on request.
 #[test]
 fn damaged_files_are_found_and_repaired() {
     let dir = folder();
@@ -244,14 +244,14 @@ fn race_processes(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
 }
 
 #[test]
-fn parts_are_bit_identical_after_kills() {
+fn killed_and_restarted_runs_write_bit_identical_parts() {
     let (killed, _) = race_processes(2, 10, 3701);
     assert!(killed >= 10);
 }
 
 #[test]
 #[ignore = "minutes: `just faults`"]
-fn parts_are_bit_identical_after_150_kills() {
+fn runs_killed_150_times_write_bit_identical_parts() {
     let (two, of_two) = race_processes(2, 100, 3702);
     let (three, of_three) = race_processes(3, 50, 3703);
     assert!(two + three >= 150);
@@ -263,18 +263,18 @@ fn parts_are_bit_identical_after_150_kills() {
 /// A modification of a complete dataset.
 struct Modification {
     what: String,
-    /// True if the modification changes only bytes before a footer, which cannot be detected by
-    /// checking only the footers.
+    /// True if the modification changes only bytes before a footer, so that a check of the footers
+    /// cannot detect it.
     is_hidden: bool,
     does: Box<dyn Fn(&Path)>,
 }
 
-fn name(number: usize) -> String {
+fn part_name(number: usize) -> String {
     format!("data/part-{number:06}.parquet")
 }
 
-/// Returns sixty different modifications of a complete dataset. The seed determines their positions
-/// and contents.
+/// Returns sixty different modifications of a complete dataset. The seed determines where and how
+/// the files are changed.
 #[expect(clippy::too_many_lines, reason = "sixty kinds, one after the other")]
 fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -282,7 +282,8 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
     let mut add = |what: String, is_hidden, does: Box<dyn Fn(&Path)>| {
         all.push(Modification { what, is_hidden, does });
     };
-    // Positions in a part are given as fractions of the length of the data or of the footer.
+    // The second number is the relative position in a part: 0 to 1 in the data, 1 to 2 in the
+    // footer, and 2 in the last bytes.
     for round in 0..2 {
         for (region, begin, is_hidden) in [
             ("magic", 0.0, true),
@@ -297,7 +298,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
                 begin + if region == "pages" { rng.random_range(0.0..0.6) } else { 0.0 };
             let zeros = round == 1 && region == "pages";
             let change = move |map: &Path| {
-                let path = map.join(name(number));
+                let path = map.join(part_name(number));
                 let mut bytes = fs::read(&path).expect("a part");
                 let len = bytes.len();
                 let tail: [u8; 4] = bytes[len - 8..len - 4].try_into().expect("four");
@@ -338,7 +339,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
             format!("part {number} cut to {keep}"),
             false,
             Box::new(move |map| {
-                let path = map.join(name(number));
+                let path = map.join(part_name(number));
                 let bytes = fs::read(&path).expect("a part");
                 #[expect(
                     clippy::cast_possible_truncation,
@@ -362,7 +363,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
             format!("{what} part {number}"),
             false,
             Box::new(move |map| {
-                let path = map.join(name(number));
+                let path = map.join(part_name(number));
                 let bytes = fs::read(&path).expect("a part");
                 fs::write(path, [before.as_bytes(), &bytes, after.as_bytes()].concat())
                     .expect("writable");
@@ -375,7 +376,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
             format!("part {number} is {text:?}"),
             false,
             Box::new(move |map| {
-                fs::write(map.join(name(number)), text).expect("writable");
+                fs::write(map.join(part_name(number)), text).expect("writable");
             }),
         );
     }
@@ -389,7 +390,8 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
                 false,
                 Box::new(move |map| {
                     let folder = if from_other { &other } else { map };
-                    fs::copy(folder.join(name(from)), map.join(name(number))).expect("writable");
+                    fs::copy(folder.join(part_name(from)), map.join(part_name(number)))
+                        .expect("writable");
                 }),
             );
         }
@@ -401,7 +403,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
             false,
             Box::new(move |map| {
                 (0..count).for_each(|i| {
-                    fs::remove_file(map.join(name((first + i) % 10))).expect("a part");
+                    fs::remove_file(map.join(part_name((first + i) % 10))).expect("a part");
                 });
             }),
         );
@@ -411,8 +413,8 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
         "two parts swapped".to_owned(),
         false,
         Box::new(move |map| {
-            let [one, two, away] =
-                [name(one), name((one + by) % 10), "away".to_owned()].map(|n| map.join(n));
+            let [one, two, away] = [part_name(one), part_name((one + by) % 10), "away".to_owned()]
+                .map(|n| map.join(n));
             fs::rename(&one, &away).expect("a part");
             fs::rename(&two, &one).expect("a part");
             fs::rename(&away, &two).expect("a part");
@@ -424,7 +426,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
             format!("part {number} is {what}"),
             false,
             Box::new(move |map| {
-                let (path, away) = (map.join(name(number)), map.join("../away"));
+                let (path, away) = (map.join(part_name(number)), map.join("../away"));
                 fs::rename(&path, &away).expect("a part");
                 match what {
                     "a folder" => fs::create_dir(&path).expect("a folder"),
@@ -447,7 +449,8 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
             format!("{too_many} too many"),
             false,
             Box::new(move |map| {
-                fs::copy(map.join(name(from)), map.join("data").join(too_many)).expect("writable");
+                fs::copy(map.join(part_name(from)), map.join("data").join(too_many))
+                    .expect("writable");
             }),
         );
     }
@@ -526,9 +529,10 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
     all
 }
 
-/// Applies every `step`th modification and runs every command. If a command exits with code 0, the
-/// dataset must be bit-identical to an undisturbed run, except for changes that cannot be detected
-/// by checking only the footers. No command may change an intact part.
+/// Applies every `step`th modification and runs every command on the modified dataset. If a command
+/// exits with code 0, the dataset must be bit-identical to the dataset of an undisturbed run,
+/// except for changes that a check of the footers cannot detect. No command may change an intact
+/// part.
 fn run_commands_on_modified_folders(seed: u64, step: usize) -> (usize, usize) {
     let dir = folder();
     let drive = drive();
@@ -573,7 +577,7 @@ fn run_commands_on_modified_folders(seed: u64, step: usize) -> (usize, usize) {
             let after = files(&map);
             let is_part = |name: &PathBuf| name.starts_with("data");
             for (name, bytes) in expected.iter().filter(|(name, _)| is_part(name)) {
-                // Files that were intact must be unchanged.
+                // Parts that the modification left intact must be unchanged.
                 assert!(before.get(name) != Some(bytes) || after.get(name) == Some(bytes), "{at}");
             }
             mended += usize::from(code == 0 && before != after);
@@ -615,7 +619,8 @@ fn no_command_accepts_any_of_sixty_modifications() {
     println!("0 silent, 0 false: {runs} runs over {} kinds, {mended} mended", runs / 5);
 }
 
-/// SIGTERM and Ctrl-C must end the program immediately and leave no temporary files.
+/// SIGTERM and Ctrl-C must end the program immediately, and the program must leave no temporary
+/// files.
 #[test]
 fn stopped_run_leaves_no_temporary_files() {
     let dir = folder();
@@ -624,8 +629,8 @@ fn stopped_run_leaves_no_temporary_files() {
     let plan = [&sweep(&drive, loads, "map/", "4000000")[..], &["--plan"]].concat();
     run_checked(dir.path(), 0, &plan);
     let tmp = dir.path().join("map/tmp");
-    // Regression test: the signals that job schedulers send before a time limit left temporary
-    // files behind.
+    // Regression test: the signals that job schedulers send before a time limit expires left
+    // temporary files behind.
     for (signal, code) in [
         ("-TERM", 143),
         ("-INT", 130),
@@ -650,16 +655,16 @@ fn stopped_run_leaves_no_temporary_files() {
     assert_eq!(fs::read_dir(dir.path().join("map/data")).expect("folder").count(), 0);
 }
 
-/// If a folder cannot be written, the exit code is 1, and the work can be continued later. A full
-/// disk is tested on a small file system if one can be mounted.
+/// If a folder cannot be written, the exit code must be 1, and it must be possible to continue the
+/// run later. A full disk is tested on a small file system if one can be mounted.
 #[test]
 fn a_folder_without_write_access_is_reported() {
     let dir = folder();
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
     let plan = [&sweep(&drive, loads, "map/", "40")[..], &["--plan"]].concat();
     run_checked(dir.path(), 0, &plan);
-    // File permissions do not restrict the root user, but a file in place of the folder stops every
-    // user.
+    // File permissions do not restrict the root user. A file with the name of the folder, however,
+    // prevents every user from writing.
     let tmp = dir.path().join("map/tmp");
     fs::remove_dir(&tmp).expect("removable");
     fs::write(&tmp, "").expect("writable");
@@ -669,7 +674,7 @@ fn a_folder_without_write_access_is_reported() {
     run_checked(dir.path(), 0, &["parts", "check", "map/"]);
 }
 
-/// The points of a plan may be random points or a table in the parent folder.
+/// The points of a plan may be random points or the rows of a table in the parent folder.
 #[test]
 fn plans_accept_random_points_and_tables() {
     let dir = folder();
@@ -685,7 +690,7 @@ fn plans_accept_random_points_and_tables() {
     run(0, &["parts", "check", "rows/", "--deep"]);
     run(0, &[&sweep[..], &["-o", "points.parquet"]].concat());
 
-    // The table contains the points of the plan with random points.
+    // The rows of the table are the random points of the first plan.
     let batch = ["sweep", &drive, "--points", "points.parquet"];
     run(0, &[&batch[..], &common, &parts, &["-o", "table/", "--plan"]].concat());
     run(0, &["parts", "run", "table/", "--only=1/2"]);
@@ -710,7 +715,7 @@ fn plans_accept_random_points_and_tables() {
     }
 }
 
-/// A plan with 1e12 points is written and read, and one of its parts is solved and verified.
+/// Writes and reads a plan with 1e12 points, and solves and verifies one of its parts.
 #[test]
 fn a_plan_of_1e12_points_takes_less_than_ten_seconds() {
     let dir = folder();
@@ -753,7 +758,8 @@ fn scheduler_examples_solve_a_plan() {
         fs::set_permissions(bin.join(name), fs::Permissions::from_mode(0o755)).expect("mode");
     };
     stand_in("srun", "#!/bin/sh\nexec \"$@\"\n");
-    // Like GNU parallel, this script runs the command before `:::` once for each word after it.
+    // Like GNU parallel, this script runs the command that precedes `:::` once for each word that
+    // follows `:::`.
     stand_in(
         "parallel",
         "#!/bin/bash\nwhile [[ $1 == --* ]]; do shift 2; done\n\
@@ -789,7 +795,8 @@ fn scheduler_examples_solve_a_plan() {
         let args: Vec<_> = words[1..].iter().map(String::as_str).collect();
         run(&bin.join(&words[0]).display().to_string(), &args, &[]);
     };
-    // There are only about 40 parts, so the remaining tasks have nothing to do.
+    // The plan has only about 40 parts, so the other tasks of the example would have nothing to do
+    // and are not run.
 
     let runners: [(&str, Run<'_>); 3] = [
         ("slurm.sh", Box::new(|| (0..41).for_each(&slurm))),
@@ -809,7 +816,7 @@ fn scheduler_examples_solve_a_plan() {
     }
 }
 
-/// Compares the table in the guide with the plans that the program prints.
+/// The table in the guide must agree with the plans that the program prints.
 #[test]
 fn guide_numbers_match_the_printed_plans() {
     let dir = folder();
@@ -817,7 +824,7 @@ fn guide_numbers_match_the_printed_plans() {
     let mut table = String::new();
     for model in ["closed-form", "traction"] {
         let what = format!("`{model}`");
-        // The guide uses 1000 times as many points as this test.
+        // The plans in the guide have 1000 times as many points as the plans in this test.
         for (rows, all) in [("1000000", "1e9"), ("1000000000", "1e12")] {
             let vary = format!("--vary=axial_load_N=2000:8000:{rows}");
             let model = format!("--model={model}");

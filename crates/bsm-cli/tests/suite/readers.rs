@@ -39,7 +39,7 @@ fn nuts_with_column(head: &str) -> String {
 }
 
 #[test]
-fn a_cycle_rejects_a_column_that_is_given_twice() {
+fn duplicate_column_in_a_load_cycle_is_rejected() {
     let dir = folder();
     let axis = example("axis.json");
     for (head, row, one, other) in [
@@ -54,7 +54,7 @@ fn a_cycle_rejects_a_column_that_is_given_twice() {
 }
 
 #[test]
-fn measured_points_reject_a_column_that_is_given_twice() {
+fn duplicate_column_in_measured_points_is_rejected() {
     let dir = folder();
     let drive = example("feed_drive.json");
     for (head, row, one, other) in [
@@ -94,7 +94,7 @@ fn measured_points_reject_a_column_that_is_given_twice() {
 }
 
 #[test]
-fn a_list_of_nuts_rejects_a_column_that_is_given_twice() {
+fn duplicate_column_in_a_list_of_nuts_is_rejected() {
     let dir = folder();
     for (head, part) in [
         ("lead_inch", duplicate_message("lead_mm", "lead_inch")),
@@ -114,7 +114,7 @@ fn a_list_of_nuts_rejects_a_column_that_is_given_twice() {
 }
 
 #[test]
-fn a_list_of_sizes_rejects_a_column_that_is_given_twice() {
+fn duplicate_column_in_a_list_of_sizes_is_rejected() {
     let dir = folder();
     let sizes = stdout(&bsm(dir.path(), &["select", "--show", "sizes"], ""));
     let (first, rows) = sizes.split_once('\n').expect("rows");
@@ -130,7 +130,7 @@ fn a_list_of_sizes_rejects_a_column_that_is_given_twice() {
 }
 
 #[test]
-fn a_requirement_rejects_an_input_that_is_given_twice() {
+fn duplicate_input_in_a_requirement_is_rejected() {
     let dir = folder();
     let requirement = read("requirements/axis.json");
     let load = "\"axial_load_kN\": 10,";
@@ -162,7 +162,7 @@ fn a_requirement_rejects_an_input_that_is_given_twice() {
 }
 
 #[test]
-fn a_case_rejects_a_member_that_is_given_twice() {
+fn duplicate_member_of_a_case_is_rejected() {
     let dir = folder();
     let axis = example("axis.json");
     for (entry, one, other) in [
@@ -200,7 +200,7 @@ fn a_case_rejects_a_member_that_is_given_twice() {
 }
 
 #[test]
-fn an_option_that_is_given_twice_is_rejected() {
+fn duplicate_option_is_rejected() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let args = ["solve", &drive, "--model=traction", "--accuracy", "1e-6", "--accuracy", "1e-10"];
@@ -325,10 +325,10 @@ fn a_folder_named_like_a_table_is_rejected_as_output() {
     }
 }
 
-/// A plotted output used to be missing in the table of the same run, because kernels wrote only one
-/// of its two columns.
+/// Regression test: a plotted output was missing from the table of the same run, because batch
+/// kernels wrote the output to only one of the two columns that requested it.
 #[test]
-fn a_table_is_the_same_with_and_without_a_plot_of_its_output() {
+fn table_does_not_depend_on_a_requested_plot() {
     let dir = folder();
     let drive = example("feed_drive.json");
     for model in ["auto", "rigid", "raceway-control", "elastic", "traction"] {
@@ -344,8 +344,8 @@ fn a_table_is_the_same_with_and_without_a_plot_of_its_output() {
     }
 }
 
-/// The interval of lubricated friction must have the same ends in a column and in the answer to a
-/// single point.
+/// The interval of lubricated friction must have the same bounds in a table column as in the answer
+/// for a single point.
 #[test]
 fn table_columns_contain_the_friction_interval_of_single_solves() {
     let dir = folder();
@@ -380,7 +380,7 @@ fn table_columns_contain_the_friction_interval_of_single_solves() {
 }
 
 /// A load of 1e6 N on 70 balls causes pressures above 4200 MPa and contact ellipses that extend
-/// beyond the flanks, so that warnings are expected.
+/// beyond the flanks, so warnings are expected.
 #[test]
 fn table_rows_report_the_warnings_of_single_solves() {
     let dir = folder();

@@ -43,8 +43,8 @@ fn validate_passes_and_writes_its_report() {
     assert_eq!(output.status.code(), Some(2));
 }
 
-/// If the fifth digit of a reference value is changed, its check must fail on the screen and on the
-/// page.
+/// If the fifth digit of a reference value is changed, the corresponding check must fail on the
+/// screen and on the page.
 #[test]
 fn check_fails_if_its_reference_value_is_changed() {
     let dir = folder();
@@ -107,7 +107,8 @@ fn tradeoff_measures_the_points_of_a_table() {
     assert_eq!(output.status.code(), Some(2));
     let text = stderr(&output);
     assert!(text.contains("short.csv: row 1") && text.contains("nut_conformity"), "{text}");
-    // No model solves this point, so there is no reference value for measuring errors.
+    // No model solves this point, so there is no reference solution from which errors could be
+    // calculated.
     let hopeless = format!("{}\n40,8,30,85,1,0.53,0.53,0,100,100,1\n", few[0]);
     fs::write(dir.path().join("hopeless.csv"), hopeless).expect("written");
     let output = bsm(dir.path(), &["tradeoff", "--points", "hopeless.csv"], "");

@@ -31,7 +31,7 @@ fn run(args: &[String], folder: &Path) -> Output {
     program(args, folder).output().expect("the program runs")
 }
 
-fn strings(args: &[&str]) -> Vec<String> {
+fn to_strings(args: &[&str]) -> Vec<String> {
     args.iter().map(|arg| (*arg).to_owned()).collect()
 }
 
@@ -63,7 +63,7 @@ fn unfinished_files(files: &BTreeMap<PathBuf, Option<Vec<u8>>>) -> Vec<&PathBuf>
     files.keys().filter(temporary).collect()
 }
 
-/// Points of a grid, some of which have no result, also stored as tables.
+/// Points of a grid, some of which have no result. The same points can be written as tables.
 struct Points {
     vary: Vec<String>,
     rows: usize,
@@ -84,11 +84,11 @@ impl Points {
     fn args(&self, source: &str, output: &str) -> Vec<String> {
         let drive = example("feed_drive.json");
         let mut args = match source {
-            "grid" => [&strings(&["sweep", &drive])[..], &self.vary].concat(),
-            table => strings(&["sweep", &drive, "--points", table]),
+            "grid" => [&to_strings(&["sweep", &drive])[..], &self.vary].concat(),
+            table => to_strings(&["sweep", &drive, "--points", table]),
         };
-        args.extend(strings(&["--model=elastic", "--columns=efficiency,ball_torque_Nm"]));
-        args.extend(strings(&["-o", output]));
+        args.extend(to_strings(&["--model=elastic", "--columns=efficiency,ball_torque_Nm"]));
+        args.extend(to_strings(&["-o", output]));
         if output.ends_with('/') {
             args.push(format!("--rows-per-part={}", self.rows.div_ceil(16)));
         }
@@ -98,8 +98,9 @@ impl Points {
     fn write(&self, folder: &Path) {
         for table in ["points.csv", "points.jsonl", "points.parquet"] {
             let drive = example("feed_drive.json");
-            let args = strings(&["sweep", &drive, "--model=closed-form", "--columns=efficiency"]);
-            let more = strings(&["--keep-going", "-o", table]);
+            let args =
+                to_strings(&["sweep", &drive, "--model=closed-form", "--columns=efficiency"]);
+            let more = to_strings(&["--keep-going", "-o", table]);
             let output = run(&[args, self.vary.clone(), more].concat(), folder);
             assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         }
@@ -116,7 +117,7 @@ struct Tally {
 }
 
 /// Kills `kills` runs that write a dataset and as many runs that write a single file. After each
-/// kill and at the end, the files are compared with the files of an undisturbed run.
+/// kill and at the end, the files must be identical to the files of an undisturbed run.
 fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally: &mut Tally) {
     let dir = folder();
     points.write(dir.path());
@@ -133,18 +134,19 @@ fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, 
         sleep(time.mul_f64(rng.random_range(0.0..1.0)));
         let over = child.try_wait().expect("a child").is_some();
         if !over {
-            // If the process ends between the two calls, no process is killed.
+            // If the process ends before the `kill` command runs, nothing is killed.
             let _ = Command::new("kill").args([signal, &child.id().to_string()]).output();
         }
         let output = child.wait_with_output().expect("ends");
-        // The process was killed or has finished in the meantime. It must neither panic nor fail.
+        // The process was either killed or had finished before. It must neither panic nor report an
+        // error.
         let code = output.status.code();
         assert!(!matches!(code, Some(1 | 2 | 101)), "{code:?} {}", stderr(&output));
         code == Some(3)
     };
 
-    // First, the runs write a dataset.
-    let resume = [points.args(source, "map/"), strings(&["--resume"])].concat();
+    // The first group of runs writes a dataset.
+    let resume = [points.args(source, "map/"), to_strings(&["--resume"])].concat();
     let map = dir.path().join("map");
     let mut left = 0;
     let mut killed = 0;
@@ -178,7 +180,7 @@ fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, 
     assert_eq!(told(&resumed), told(&undisturbed));
     assert!(files(&map) == expected, "{source}: not the same folder");
 
-    // Then, the runs write a single file.
+    // The second group of runs writes a single file.
     let args = points.args(source, "out.csv");
     let out = dir.path().join("out.csv");
     killed = 0;
@@ -215,15 +217,16 @@ fn campaign(loads: usize, kills: usize, seed: u64) -> Tally {
 }
 
 #[test]
-fn a_resumed_run_is_bit_identical() {
+fn resumed_runs_write_bit_identical_files() {
     let tally = campaign(2_000, 1, 15);
     assert_eq!(tally.kills, 8);
 }
 
 #[test]
 #[ignore = "minutes: `just kills`"]
-fn resumed_runs_are_bit_identical_after_104_kills() {
-    // For each of four sources, 13 runs with a dataset and 13 runs with a single file are killed.
+fn resumed_runs_write_bit_identical_files_after_104_kills() {
+    // For each of four sources of points, 13 runs that write a dataset and 13 runs that write a
+    // single file are killed.
     let tally = campaign(4_000, 13, 2026);
     assert_eq!(tally.kills, 104);
     println!("0 wrong bytes: {tally:?}");
@@ -242,7 +245,7 @@ enum Reaction {
 
 use Reaction::{Healed, Refused};
 
-/// Regression test: `--resume` only checked whether a path exists.
+/// Regression test: `--resume` checked only whether the path of a part exists.
 #[test]
 #[expect(clippy::too_many_lines, reason = "a list of kinds of damage")]
 fn resume_verifies_finished_parts() {
@@ -261,9 +264,9 @@ fn resume_verifies_finished_parts() {
         parts.clone().count() == 16
             && parts.clone().all(|p| p.extension().is_some_and(|e| e == "parquet"))
     );
-    let other = [points.args("grid", "other/"), strings(&["--set=density_kg_m3=7000"])].concat();
+    let other = [points.args("grid", "other/"), to_strings(&["--set=density_kg_m3=7000"])].concat();
     assert_eq!(run(&other, dir.path()).status.code(), Some(3));
-    let resume = [&args[..], &strings(&["--resume"])].concat();
+    let resume = [&args[..], &to_strings(&["--resume"])].concat();
 
     let part = map.join("data/part-000003.parquet");
     let bytes = fs::read(&part).expect("a part");
@@ -427,7 +430,7 @@ fn resume_verifies_finished_parts() {
                 assert!(files(&map) == expected, "{what}");
             }
         }
-        // As the message advises, changed files are removed and the plan is restored.
+        // As the message advises, the changed files are removed and the plan is restored.
         for name in files(&map).keys() {
             let path = map.join(name);
             if !path.is_file()
@@ -449,14 +452,14 @@ fn resume_verifies_finished_parts() {
     println!("0 silent acceptances: {} kinds of damage", damages.len());
 }
 
-/// Regression test: with an emptied plan file and a different grid, the results of two tasks were
-/// mixed.
+/// Regression test: if the plan file was empty and the grid was different, the results of two tasks
+/// were mixed.
 #[test]
 fn resume_rejects_a_different_grid() {
     let dir = folder();
     let run = |args: Vec<String>| run(&args, dir.path());
     let args =
-        |loads, more: &[&str]| [Points::new(loads).args("grid", "map/"), strings(more)].concat();
+        |loads, more: &[&str]| [Points::new(loads).args("grid", "map/"), to_strings(more)].concat();
     assert_eq!(run(args(20, &[])).status.code(), Some(3));
     let before = files(&dir.path().join("map"));
     for (args, words) in [
@@ -491,8 +494,8 @@ fn resume_rejects_a_different_grid() {
     );
 }
 
-/// Regression test: a resumed run ignored rows without a result in parts that had been finished
-/// earlier, both in its exit code and in its note.
+/// Regression test: both the exit code and the note of a resumed run ignored rows without a result
+/// in parts that had been finished earlier.
 #[test]
 fn a_resumed_run_counts_failed_rows_of_finished_parts() {
     let dir = folder();
@@ -503,14 +506,14 @@ fn a_resumed_run_counts_failed_rows_of_finished_parts() {
         stderr(&first),
         "note: 20 of 80 rows have no result; see column `message` in map/\n"
     );
-    let resumed = run(&[&args[..], &strings(&["--resume"])].concat(), dir.path());
+    let resumed = run(&[&args[..], &to_strings(&["--resume"])].concat(), dir.path());
     assert_eq!((resumed.status.code(), stderr(&resumed)), (Some(3), stderr(&first)));
-    let more = strings(&["--resume", "--keep-going"]);
+    let more = to_strings(&["--resume", "--keep-going"]);
     let asked = run(&[&args[..], &more].concat(), dir.path());
     assert_eq!((asked.status.code(), stderr(&asked)), (Some(0), stderr(&first)));
 }
 
-/// Regression test: `--resume` deleted the user's own `.bsm-*` files.
+/// Regression test: `--resume` deleted the user's own files with names of the form `.bsm-*`.
 #[test]
 fn resume_keeps_temporary_files_of_the_user() {
     let dir = folder();
@@ -532,7 +535,7 @@ fn resume_keeps_temporary_files_of_the_user() {
         fs::write(tmp.join(name), "kept?").expect("writable");
     }
     fs::write(dir.path().join("map/.bsm-notes"), "mine").expect("writable");
-    let output = run(&[&args[..], &strings(&["--resume"])].concat(), dir.path());
+    let output = run(&[&args[..], &to_strings(&["--resume"])].concat(), dir.path());
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert!(ours.iter().all(|name| !tmp.join(name).exists()));
     assert!(others.iter().all(|name| tmp.join(name).exists()));
@@ -553,7 +556,7 @@ fn program_does_not_wait_for_pipes_in_place_of_files() {
     fifo("points.csv");
     fifo("points.parquet");
     let points = Points::new(20);
-    let resume = |source: &str| [points.args(source, "map/"), strings(&["--resume"])].concat();
+    let resume = |source: &str| [points.args(source, "map/"), to_strings(&["--resume"])].concat();
     for (args, words) in [
         (resume("grid"), "map/plan.json is not the plan of this task: it is a pipe or a device"),
         (points.args("grid", "map/"), "holds the parts of another task"),
@@ -573,7 +576,7 @@ fn error_for_a_run_that_cannot_be_resumed_suggests_a_remedy() {
     let points = Points::new(20);
     let resume = |output: &str| {
         let args: Vec<_> = points.args("grid", output);
-        run(&[&args[..], &strings(&["--resume"])].concat(), dir.path())
+        run(&[&args[..], &to_strings(&["--resume"])].concat(), dir.path())
     };
     for (output, words) in [
         (

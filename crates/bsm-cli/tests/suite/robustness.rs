@@ -75,7 +75,7 @@ fn lines_without_notes(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-fn names(folder: &Path) -> Vec<String> {
+fn file_names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("folder").map(|entry| entry.expect("entry"));
     let mut names: Vec<_> = entries.map(|e| e.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
@@ -103,7 +103,8 @@ fn a_full_disk_is_reported() {
     }
 }
 
-/// The program that reads the output may stop early, as in `bsm ... | head -1`.
+/// If the program that reads the output stops early, as in `bsm ... | head -1`, this must not count
+/// as a failure.
 #[test]
 fn a_closed_pipe_is_not_a_failure() {
     let dir = folder();
@@ -116,8 +117,8 @@ fn a_closed_pipe_is_not_a_failure() {
     }
 }
 
-/// If standard output is closed, the answer is discarded as with /dev/null. If standard error is
-/// closed, only messages are lost.
+/// If standard output is closed, the answer must be discarded as with /dev/null. If standard error
+/// is closed, only messages may be lost.
 #[test]
 fn closed_standard_streams_are_tolerated() {
     let dir = folder();
@@ -157,7 +158,7 @@ fn output_pipes_are_written_to_and_not_replaced() {
     let child = program(&batch, dir.path()).spawn().expect("the program starts");
     fs::write(&fifo, "axial_load_N\n1\n").expect("pipe");
     assert_exit_and_message(&child.wait_with_output().expect("ends"), 0, "");
-    assert_eq!(names(dir.path()), ["out.csv", "pipe.csv"]);
+    assert_eq!(file_names(dir.path()), ["out.csv", "pipe.csv"]);
 }
 
 #[test]
@@ -218,10 +219,10 @@ fn links_and_protected_files_are_kept() {
         assert!(matches!(run(args, dir.path()).status.code(), Some(1 | 2)));
     }
     let left = ["astray.csv", "folder.svg", "kept.csv", "link.csv", "loop.csv", "real.csv"];
-    assert_eq!(names(dir.path()), left);
+    assert_eq!(file_names(dir.path()), left);
 }
 
-/// The output must never replace the case or the requirement that the command reads.
+/// An output must never replace the case or the requirement that the command reads.
 #[test]
 fn input_files_are_not_overwritten() {
     let dir = folder();
@@ -246,7 +247,7 @@ fn input_files_are_not_overwritten() {
         );
     }
     // The output may replace the table of points, because the table is read completely before the
-    // output gets its final name.
+    // temporary output file is renamed.
     let args =
         ["sweep", "case.csv", "--points", "points.csv", "--model=closed-form", "-o", "points.csv"];
     assert_exit_and_message(&run(&args, dir.path()), 0, "");
@@ -271,10 +272,10 @@ fn wait_for(what: impl Fn() -> bool) {
 }
 
 fn count_unfinished_files(folder: &Path) -> usize {
-    names(folder).iter().filter(|name| name.starts_with(".bsm-")).count()
+    file_names(folder).iter().filter(|name| name.starts_with(".bsm-")).count()
 }
 
-fn signal(child: &Child, name: &str) {
+fn send_signal(child: &Child, name: &str) {
     let kill = Command::new("kill").args([name, &child.id().to_string()]).status();
     assert!(kill.expect("kill").success());
 }
@@ -294,19 +295,19 @@ fn interrupt_keeps_the_existing_file_and_leaves_no_temporary_files() {
         fs::write(&table, "old").expect("file");
         let child = long_sweep(dir.path(), "out.csv");
         wait_for(|| count_unfinished_files(dir.path()) == 1);
-        signal(&child, name);
+        send_signal(&child, name);
         let output = child.wait_with_output().expect("ends");
         assert_eq!(output.status.code(), code);
         assert_eq!(fs::read_to_string(&table).expect("there"), "old");
         if let Some(code) = code {
             assert_exit_and_message(&output, code, "interrupted; unfinished files were removed");
-            assert_eq!(names(dir.path()), ["out.csv"]);
+            assert_eq!(file_names(dir.path()), ["out.csv"]);
         }
     }
 }
 
 /// Regression test: if SIGHUP was ignored (under `nohup`) or SIGINT was ignored (in background jobs
-/// of scripts), the program missed all other signals and left a temporary file behind.
+/// of scripts), the program did not handle any other signal and left a temporary file behind.
 #[test]
 fn signals_are_handled_under_nohup_and_in_the_background() {
     for ignored in ["HUP", "INT"] {
@@ -320,12 +321,12 @@ fn signals_are_handled_under_nohup_and_in_the_background() {
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().expect("the program starts");
         wait_for(|| count_unfinished_files(dir.path()) == 1);
-        signal(&child, &format!("-{ignored}"));
+        send_signal(&child, &format!("-{ignored}"));
         sleep(Duration::from_millis(300));
         assert!(child.try_wait().expect("a child").is_none(), "{ignored} must stay ignored");
-        signal(&child, "-TERM");
+        send_signal(&child, "-TERM");
         assert_exit_and_message(&child.wait_with_output().expect("ends"), 143, "interrupted");
-        assert!(names(dir.path()).is_empty());
+        assert!(file_names(dir.path()).is_empty());
     }
 }
 
@@ -369,7 +370,7 @@ fn a_failed_thread_start_does_not_panic() {
             )
         );
     }
-    // The root user may start any number of threads. Other users get an error.
+    // The root user may start any number of threads. Other users exceed the limit and get an error.
     for args in [&many[..], &catalog] {
         let Some(output) = run_with_limits("ulimit -u 1", args, dir.path()) else { continue };
         let text = stderr(&output);
@@ -381,16 +382,17 @@ fn a_failed_thread_start_does_not_panic() {
     }
 }
 
-/// Returns the maximum address space \[kB\] that the program file itself takes up. A test build is
-/// larger than a release build. The memory limits in the tests add the memory of a run: thread
-/// stacks, which take 16 MiB each if debug assertions are enabled, and allocator arenas.
+/// Returns an upper bound of the address space that the program file itself occupies \[kB\]. A test
+/// build is larger than a release build. The memory limits in the tests consist of this size and
+/// the memory of a run: allocator arenas and thread stacks, which take 16 MiB each if debug
+/// assertions are enabled.
 fn program_size_in_kb() -> u64 {
     fs::metadata(env!("CARGO_BIN_EXE_bsm")).expect("the program").len() / 1000
 }
 
-/// At every memory limit, the program must succeed or exit with code 1. Below a certain limit, no
-/// process can be started, which the shell and the loader report with codes 126 and 127. Just above
-/// this limit, Rust's runtime aborts before `main`, because it cannot allocate the stack for signal
+/// At every memory limit, the program must succeed or exit with code 1. If the limit is too low to
+/// start any process, the shell and the loader report this with codes 126 and 127. Just above this
+/// limit, Rust's runtime aborts before `main`, because it cannot allocate the stack for signal
 /// handlers.
 #[test]
 fn low_memory_does_not_panic() {
@@ -437,10 +439,15 @@ fn a_file_above_the_size_limit_is_reported() {
             assert_exit_and_message(&output, 1, part);
         }
     }
-    assert!(names(dir.path()).iter().all(|name| name == "y.csv"), "{:?}", names(dir.path()));
+    assert!(
+        file_names(dir.path()).iter().all(|name| name == "y.csv"),
+        "{:?}",
+        file_names(dir.path())
+    );
 }
 
-/// If too few files may be open at the same time, the program must report an error or succeed.
+/// If the program reaches the limit of open files, it must report this. With a sufficient limit, it
+/// must succeed.
 #[test]
 fn exceeded_limit_of_open_files_is_reported() {
     let dir = folder();
@@ -458,7 +465,7 @@ fn exceeded_limit_of_open_files_is_reported() {
         codes.push(code);
     }
     assert!(codes.contains(&Some(1)) && codes.last() == Some(&Some(0)), "{codes:?}");
-    assert_eq!(names(dir.path()), ["x.csv"]);
+    assert_eq!(file_names(dir.path()), ["x.csv"]);
 }
 
 /// Regression test: a private output file became readable by all users, and its owner could change.
@@ -488,7 +495,7 @@ fn a_replaced_output_keeps_its_permissions_and_owner() {
         .output();
     assert_exit_and_message(&output.expect("sh"), 0, "");
     assert_eq!(fs::metadata(&table).expect("there").mode() & 0o7777, 0o640);
-    // A hard link to the replaced file keeps the old contents.
+    // Another hard link to the replaced file must keep the old contents.
     fs::write(&table, "old").expect("file");
     fs::hard_link(&table, dir.path().join("other.csv")).expect("link");
     assert_exit_and_message(&run(&args, dir.path()), 0, "");
@@ -496,7 +503,8 @@ fn a_replaced_output_keeps_its_permissions_and_owner() {
     assert_ne!(fs::read_to_string(&table).expect("there"), "old");
 }
 
-/// Regression test: `--resume` removed every file whose name began with `.bsm-`.
+/// Regression test: `--resume` removed every file whose name began with `.bsm-`, including the
+/// user's own files.
 #[test]
 fn resume_keeps_files_of_the_user() {
     let dir = folder();
@@ -521,17 +529,17 @@ fn resume_keeps_files_of_the_user() {
     }
     assert_exit_and_message(&sweep(&["--resume"]), 0, "");
     let mut expected = others.map(str::to_owned).to_vec();
-    assert_eq!(names(&parts.join("tmp")), {
+    assert_eq!(file_names(&parts.join("tmp")), {
         expected.sort();
         expected.clone()
     });
     expected.extend(["data", "parts.parquet", "plan.json", "tmp"].map(str::to_owned));
-    assert_eq!(names(&parts), expected);
+    assert_eq!(file_names(&parts), expected);
 }
 
 /// Regression test: `solve /dev/zero` never stopped reading.
 #[test]
-fn reading_of_an_endless_device_stops_at_the_size_limit() {
+fn reading_an_endless_device_stops_at_the_size_limit() {
     let dir = folder();
     let axis = example("axis.json");
     for args in [
@@ -569,7 +577,7 @@ fn large_catalog_is_not_copied_in_memory() {
         list(0.51, 0.01, 6),
     );
     fs::write(dir.path().join("lists.json"), lists).expect("lists");
-    // Each copy of 180 000 nuts with their table would take at least 100 MB. The program itself
+    // Each additional copy of the table of 180 000 nuts would take at least 100 MB. The program
     // needs only about 20 MB in addition to its own size.
     let limits = format!("export RAYON_NUM_THREADS=1; ulimit -v {}", program_size_in_kb() + 46_000);
     let limits = limits.as_str();
@@ -684,8 +692,8 @@ fn rounding_errors_are_not_printed_as_results() {
         let text = stdout(&run(&args, dir.path()));
         let tiny = text.split_whitespace().filter(|word| {
             let value = word.parse::<f64>().map_or(0.0, f64::abs);
-            // The residual and the differences between powers may be this small, because they
-            // always consist of rounding errors.
+            // The residual and the power differences may be this small, because they consist only
+            // of rounding errors.
             value > 0.0 && value < 1e-11
         });
         let by_nature = |line: &&str| line.starts_with("status") || line.contains("difference");
@@ -699,8 +707,8 @@ fn rounding_errors_are_not_printed_as_results() {
     assert!(spin.contains("e-"), "{spin}");
 }
 
-/// Regression test: while the program waited for standard input, it handled the first interrupt
-/// only after more input arrived. At the second interrupt, it left its temporary file behind.
+/// Regression test: while the program waited for standard input, it did not handle the first
+/// interrupt until more input arrived. At the second interrupt, it left its temporary file behind.
 #[test]
 fn an_interrupt_is_handled_while_waiting_for_input() {
     let dir = folder();
@@ -718,9 +726,9 @@ fn an_interrupt_is_handled_while_waiting_for_input() {
     let rows = "axial_load_N\n".to_owned() + &"2000\n".repeat(70_000);
     stdin.write_all(rows.as_bytes()).expect("it reads");
     wait_for(|| count_unfinished_files(dir.path()) == 1);
-    signal(&child, "-INT");
+    send_signal(&child, "-INT");
     assert_exit_and_message(&child.wait_with_output().expect("ends"), 130, "interrupted");
-    assert!(names(dir.path()).is_empty());
+    assert!(file_names(dir.path()).is_empty());
 }
 
 #[test]
@@ -729,7 +737,7 @@ fn concurrent_runs_do_not_mix_their_output() {
     let first = long_sweep(dir.path(), "parts/");
     let parts = dir.path().join("parts");
     let tmp = parts.join("tmp");
-    let begun = || parts.join("plan.json").exists() && !names(&tmp).is_empty();
+    let begun = || parts.join("plan.json").exists() && !file_names(&tmp).is_empty();
     wait_for(|| tmp.is_dir() && begun());
     let drive = example("feed_drive.json");
     for (more, part) in [
@@ -739,14 +747,14 @@ fn concurrent_runs_do_not_mix_their_output() {
         let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", more, "-o", "parts/"];
         assert_exit_and_message(&run(&args, dir.path()), 2, part);
     }
-    assert_eq!(names(&tmp).len(), 1, "the file of the first is still there");
-    signal(&first, "-INT");
+    assert_eq!(file_names(&tmp).len(), 1, "the file of the first is still there");
+    send_signal(&first, "-INT");
     assert_exit_and_message(&first.wait_with_output().expect("ends"), 130, "interrupted");
-    assert_eq!(names(&parts), ["data", "plan.json", "tmp"]);
-    assert!(names(&tmp).is_empty() && names(&parts.join("data")).is_empty());
+    assert_eq!(file_names(&parts), ["data", "plan.json", "tmp"]);
+    assert!(file_names(&tmp).is_empty() && file_names(&parts.join("data")).is_empty());
 
-    // If several processes write the same file, the file must contain the complete table of the
-    // process that finishes last.
+    // If several processes write to the same file, the file must finally contain the complete table
+    // of the process that finished last.
     let sweep = |count: &str| {
         let vary = format!("--vary=axial_load_N=100:9000:{count}");
         let args = ["sweep", &drive, &vary, "--model=rigid", "-o", "both.csv"];
@@ -758,7 +766,7 @@ fn concurrent_runs_do_not_mix_their_output() {
     let text = fs::read_to_string(dir.path().join("both.csv")).expect("table");
     let last = text.lines().last().expect("a row");
     assert!([3001, 3002].contains(&text.lines().count()) && last.starts_with("9000,"), "{last}");
-    assert_eq!(names(dir.path()), ["both.csv", "parts"]);
+    assert_eq!(file_names(dir.path()), ["both.csv", "parts"]);
 }
 
 #[test]
@@ -789,7 +797,8 @@ fn file_names_need_not_be_utf8() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 4);
 }
 
-/// Tables written by other programs must be solved, or rejected with the reason.
+/// Tables written by other programs must be solved, or rejected with a message that states the
+/// reason.
 #[test]
 fn tables_of_other_programs_are_solved_or_rejected() {
     let dir = folder();
@@ -874,8 +883,8 @@ fn tables_of_other_programs_are_solved_or_rejected() {
             stdout(&output).lines().filter(|row| row.starts_with("2000,closed-form")).count();
         assert_eq!(rows, usize::from(code == 0 && name != "header.csv"), "{name}");
     }
-    // A number with a decimal comma in quotes is a single cell, and its row reports that the cell
-    // is invalid.
+    // A quoted number with a decimal comma must be read as a single cell, and its row must report
+    // that the cell is invalid.
     let args = ["sweep", &example("feed_drive.json"), "--points", "-", "-o-"];
     let output = bsm(dir.path(), &args, "axial_load_N\n\"2000,5\"\n");
     assert!(stdout(&output).contains("is `2000,5`, but must be a number"), "{}", stdout(&output));

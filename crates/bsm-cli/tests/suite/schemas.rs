@@ -26,7 +26,7 @@ fn assert_valid(schema: &Validator, result: &Value, what: &[&str]) {
     assert!(errors.is_empty(), "{what:?}:\n{}", errors.join("\n"));
 }
 
-/// Real results, with and without a solution and with all options, must be valid under their
+/// Actual results, with and without a solution and with all options, must be valid under their
 /// schemas. A result with an unknown key must be invalid.
 #[test]
 fn results_are_valid_under_their_schemas() {

@@ -10,9 +10,9 @@ fn number(results: &Value, name: &str) -> f64 {
     results[name].as_f64().unwrap_or_else(|| panic!("{name} in {results}"))
 }
 
-/// Three commands lead from a requirement to an axis sheet, for a horizontal and a vertical axis.
-/// The sheet must contain everything that a user previously had to calculate by hand, and its
-/// numbers must agree with hand calculations based on the rules in the theory chapters.
+/// Three commands must lead from a requirement to an axis sheet, for a horizontal and a vertical
+/// axis. The sheet must contain everything that a user would otherwise have to calculate by hand,
+/// and its numbers must agree with hand calculations based on the formulas in the theory chapters.
 #[test]
 fn three_commands_lead_from_a_requirement_to_a_sheet() {
     let requirement = example("requirements/axis.json");
@@ -50,13 +50,13 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         };
         let lead = number(screw, "lead_mm");
         let rpm = 30_000.0 / lead;
-        // The tolerances allow for rounding errors of a few products.
+        // The tolerances allow for the rounding errors of a few multiplications.
         close("largest_speed_rpm", rpm, 1e-12);
         close("largest_load_N", load, 1e-9);
         let length = 1200.0 + number(screw, "nut_length_mm") + 2.0 * lead;
         close("unsupported_length_mm", length, 1e-9);
-        // The catalog factor 15.1 has only three digits, and the catalog's buckling factor is based
-        // on a slightly different flexural rigidity E I (difference below 1.5 %).
+        // The catalog factor 15.1 has only three digits, and the buckling factor in catalogs is
+        // based on a slightly different flexural rigidity E I (difference below 1.5 %).
         let core = number(screw, "screw_core_diameter_mm");
         let permitted = 15.1e7 * core / length.powi(2);
         close("critical_speed_rpm", permitted / 0.8, 6e-3);
@@ -64,8 +64,8 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         let hours = 1e6 / (60.0 * rpm) * (number(screw, "dynamic_load_rating_N") / load).powi(3);
         close("cycle_life_h", hours, 1e-9);
         close("equivalent_load_N", load, 1e-9);
-        // The material between the grooves lies outside the radius of a solid rod with the same
-        // length and mass, so the moment of inertia of the rod is up to 5 % smaller.
+        // The lands between the grooves lie outside the radius of a solid rod with the same length
+        // and mass, so the moment of inertia of the rod is up to 5 % smaller.
         let mass = number(results, "screw_mass_kg");
         let square = 4.0 * mass / (std::f64::consts::PI * 7850.0 * length * 1e-3);
         let over_rod = number(results, "inertia_of_screw_kg_m2") / (mass * square / 8.0);
@@ -84,10 +84,10 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         assert!(page.contains("<li>Not modeled: ") && page.matches("<svg").count() == 2);
         let written = fs::read_to_string(dir.path().join("sheet/results.json")).expect("numbers");
         assert_eq!(json(&written), sheet);
-        // The footer of the page names the case file.
+        // The footer of the page must name the case file.
         let foot = page.split("screw.json, SHA-256 ").nth(1).expect("a foot");
         assert!(foot[..64].bytes().all(|digit| digit.is_ascii_hexdigit()), "{foot}");
-        // The rules are also available as a table.
+        // The rules must also be available as a table.
         let table = run(&["axis", "screw.json", "-o", "-"]);
         let mut rows = csv::Reader::from_reader(table.as_bytes());
         let rows: Vec<_> = rows.records().map(|row| row.expect("a row")).collect();
@@ -101,8 +101,8 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
 }
 
 /// Regression test: four outputs stated the efficiencies 0.879, 0.98750, 0.98774 and 0.99131 for
-/// the same screw, and none of them included the preload. Every output must state the same
-/// efficiency with the same contributions.
+/// the same screw, and none of these efficiencies included the preload. Every output must state the
+/// same efficiency with the same contributions.
 #[test]
 fn all_commands_report_the_same_efficiency_for_a_screw() {
     let dir = folder();
@@ -113,8 +113,8 @@ fn all_commands_report_the_same_efficiency_for_a_screw() {
         assert!(matches!(code, Some(0 | 3)), "{args:?}: {}", stderr(&output));
         stdout(&output)
     };
-    // Only the balls cause losses in this case: there is no moved mass on guides, and there are no
-    // seals or bearings.
+    // In this case, only the balls cause losses: there is no moved mass, and there are no guides,
+    // seals or support bearings.
     let requirement: Value = json(&fs::read_to_string(&requirement).expect("a requirement"));
     let mut requirement = requirement.as_object().expect("an object").clone();
     requirement.retain(|name, _| {
@@ -152,8 +152,8 @@ fn all_commands_report_the_same_efficiency_for_a_screw() {
     let sheet = json(&run(&["axis", "screw.json", "--figures", "sheet", "--json"]));
     close("axis", number(&sheet["results"], "screw_efficiency"), 1e-9);
     close("phase", number(&sheet["phases"][0], "screw_efficiency"), 1e-9);
-    // Each ball of the nut has its own force balance, but in this case, all balls carry the same
-    // load.
+    // The force balance is solved for each ball of the nut, but in this case all balls carry the
+    // same load.
     let nut = json(&run(&["nut", "screw.json", "--json"]));
     close("nut", number(&nut, "nut_efficiency"), 1e-9);
     let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
@@ -195,9 +195,10 @@ fn all_commands_report_the_same_efficiency_for_a_screw() {
     let part = |name: &str| number(parts, name);
     let rub = part("contact_friction_torque_Nm");
     assert!((rub / number(&nut, "friction_torque_Nm") - 1.0).abs() < 1e-9, "{parts} {nut}");
-    // The preload drag is the manufacturers' rule 0.05/sqrt(tan a) F l/(2 pi) minus the contact
-    // friction under preload at 100 rpm, the speed at which manufacturers measure. Contact friction
-    // is interpolated between ball loads with an error of 1e-9.
+    // The preload drag is the torque according to the manufacturers' rule, 0.05/sqrt(tan a) F l/(2
+    // pi), minus the contact friction under preload at 100 rpm, the speed at which manufacturers
+    // measure the torque. Contact friction is interpolated between ball loads with a relative error
+    // of 1e-9.
     let whole = number(&sheet["results"], "preload_torque_measured_Nm");
     let slow = [&["nut", "screw.json", "--json"], &sets[..], &["--set", "screw_speed_rpm=100"]];
     let slow = json(&run(&slow.concat()));
@@ -212,7 +213,8 @@ fn all_commands_report_the_same_efficiency_for_a_screw() {
     );
 }
 
-/// Returns all numbers of an answer with their names, without the repeated inputs.
+/// Returns all numbers in an answer with their names, except for the inputs that the answer
+/// repeats.
 fn named_numbers(answer: &Value) -> Vec<(String, f64)> {
     let mut found = Vec::new();
     let mut take = |map: &Value| {
@@ -236,10 +238,10 @@ fn named_numbers(answer: &Value) -> Vec<(String, f64)> {
     found
 }
 
-/// Regression test: outputs for the same screw stated the torques 32.3, 34.9 and 35.0 N m, and one
-/// answer contained two efficiencies. Each name must have only one value, within an answer and
-/// across commands. The test covers a horizontal and a vertical axis, a warm preloaded pair, and a
-/// feed drive with and without oil.
+/// Regression test: different outputs for the same screw stated the torques 32.3, 34.9 and 35.0 N
+/// m, and one answer contained two efficiencies. Each name must have only one value, within an
+/// answer and across commands. The test cases are a horizontal and a vertical axis, a warm
+/// preloaded pair, and a feed drive with and without oil.
 #[test]
 fn outputs_with_equal_names_have_equal_values_in_all_commands() {
     let dir = folder();
@@ -255,8 +257,8 @@ fn outputs_with_equal_names_have_equal_values_in_all_commands() {
         for (command, answer) in answers {
             for (name, value) in named_numbers(answer) {
                 if let Some((_, other, old)) = known.iter().find(|(own, ..)| *own == name) {
-                    // The tolerance allows for rounding errors of unit conversions and for a search
-                    // that stops at 1e-9.
+                    // The tolerance allows for rounding errors of unit conversions and for the
+                    // tolerance 1e-9 of a search.
                     let apart = (value - old).abs();
                     assert!(
                         apart <= 1e-8 * old.abs(),
@@ -303,7 +305,7 @@ fn outputs_with_equal_names_have_equal_values_in_all_commands() {
         let args = ["select", "requirement.json", "--from", "standard", "--json"];
         let listed = run(&args.into_iter().chain(asked).collect::<Vec<_>>());
         assert_eq!(listed.as_array().map(Vec::len), Some(1), "{slope}: {listed}");
-        // All commands use the model with which `bsm select` chose the screw.
+        // All commands use the model with which `bsm select` has chosen the screw.
         let model = ["--model", "raceway-control"];
         let of = |command: &str| run(&[&[command, "screw.json", "--json"], &model[..]].concat());
         let answers = [
@@ -340,8 +342,8 @@ fn outputs_with_equal_names_have_equal_values_in_all_commands() {
     }
 }
 
-/// Regression test: every solve with a lubricant printed a warning that the user could not act on.
-/// This information is now a note.
+/// Regression test: every solve with a lubricant printed a warning about which the user could do
+/// nothing. This information is now a note.
 #[test]
 fn lubricated_solve_prints_a_note_instead_of_a_warning() {
     let dir = folder();
@@ -354,8 +356,8 @@ fn lubricated_solve_prints_a_note_instead_of_a_warning() {
     assert!(answer["notes"][0].as_str().is_some_and(|note| note.contains("lubricant")), "{answer}");
 }
 
-/// If a rule fails, the sheet must suggest remedies and the exit code must be 3. Each suggested
-/// remedy must work.
+/// If a rule fails, the exit code must be 3, and the sheet must suggest remedies. With each of
+/// these remedies, the rule must be met.
 #[test]
 fn suggested_remedies_meet_the_violated_rule() {
     let dir = folder();
@@ -386,10 +388,10 @@ fn suggested_remedies_meet_the_violated_rule() {
     }
 }
 
-/// The cycle is read from a user's table with semicolons, decimal commas and kilonewtons. It must
-/// have the same effect as the same cycle in the case.
+/// A load cycle in a user's table with semicolons, decimal commas and kilonewtons must have the
+/// same effect as the same cycle in the case.
 #[test]
-fn a_cycle_is_read_from_a_users_table() {
+fn load_cycle_is_read_from_a_users_table() {
     let dir = folder();
     let table =
         "time_s;force_kN;feed_m_min;acceleration_m_s2\n0,2;0;30;2,5\n2,0;10;30;0\n0,2;0;30;-2,5\n";
@@ -417,18 +419,18 @@ fn a_cycle_is_read_from_a_users_table() {
         assert_eq!(from_table[part], in_case[part]);
     }
     assert_eq!(in_case["phases"].as_array().map(Vec::len), Some(3));
-    // The load consists of the force that accelerates 500 kg at 2.5 m/s² and 49 N of guide
-    // friction.
+    // The load consists of the force that accelerates 500 kg at 2.5 m/s² and the guide friction of
+    // 49 N.
     let first = number(&in_case["phases"][0], "screw_load_N");
     assert!((first - 1_299.033_25).abs() < 1e-6, "{first}");
     let args = ["axis", &axis, "--cycle", "cycle.csv"];
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(2));
 }
 
-/// Cases, settings, sweeps and tables must accept input names with other units, and a feed rate in
-/// place of a speed.
+/// Cases, settings, sweeps and tables must accept input names that end with other units, and a feed
+/// rate instead of a speed.
 #[test]
-fn inputs_may_have_any_unit() {
+fn input_names_may_end_with_any_unit() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let torque = |args: &[&str]| {
@@ -447,7 +449,7 @@ fn inputs_may_have_any_unit() {
         &["lead_inch=0.7874015748031496"],
     ] {
         let sets: Vec<_> = settings.iter().flat_map(|setting| ["--set", *setting]).collect();
-        // The values in pounds have ten digits.
+        // The values in pounds are given with ten digits.
         assert!((torque(&sets) / own - 1.0).abs() < 1e-9, "{settings:?}");
     }
     let points = "axial_load_kN,feed_m_min\n8,30\n4,15\n";
@@ -471,7 +473,8 @@ fn inputs_may_have_any_unit() {
     assert!(stderr(&output).contains("did you mean `axial_load_N`"), "{}", stderr(&output));
 }
 
-/// Regression test: the names `eff` and `speed` got no suggestion or a wrong suggestion.
+/// Regression test: for the names `eff` and `speed`, the message contained no suggestion or a wrong
+/// suggestion.
 #[test]
 fn full_names_are_suggested_for_short_or_incomplete_names() {
     let dir = folder();
@@ -482,10 +485,10 @@ fn full_names_are_suggested_for_short_or_incomplete_names() {
     };
     for (typed, meant) in [
         ("eff", "did you mean `efficiency`? `bsm schema output` lists all outputs"),
-        // One word is missing in this name. Earlier versions suggested a name with more similar
+        // In this name, one word is missing. Earlier versions suggested a name with more similar
         // spelling but a different meaning.
         ("nut_pressure_MPa", "did you mean `nut_max_pressure_MPa`?"),
-        // All unknown names are reported in one message.
+        // All unknown names must be reported in one message.
         (
             "regime,eff,eta",
             "no outputs are named `regime`, `eff` (did you mean `efficiency`?), `eta`",
@@ -497,8 +500,8 @@ fn full_names_are_suggested_for_short_or_incomplete_names() {
     assert!(stderr(&output).contains("`screw_speed_rpm`"), "{}", stderr(&output));
 }
 
-/// Regression test: other commands rejected nuts that were picked from the catalog and screws that
-/// were designed by `bsm select`.
+/// Regression test: other commands rejected nuts from the catalog and screws that `bsm select` had
+/// designed.
 #[test]
 fn every_command_accepts_a_selected_nut() {
     let dir = folder();
@@ -547,7 +550,8 @@ fn ellipses_beyond_their_flanks_are_reported_by_one_rule() {
             assert_eq!(count, if load == "axial_load_N=8000" { 0 } else { 2 }, "{args:?}: {told}");
         }
     }
-    // The ratings assume equal loads on all balls and the contact angle without load.
+    // The ratings are calculated with equal loads on all balls and with the unloaded contact angle,
+    // so only one contact ellipse is reported.
     let narrow = ["--set", "screw_outer_diameter_mm=38", "--set", "axial_load_N=200000"];
     let args = [&["solve", &drive, "--show", "ratings"], &narrow[..]].concat();
     let told = stderr(&bsm(dir.path(), &args, ""));
@@ -576,8 +580,8 @@ fn every_command_notes_missing_churning_losses() {
     }
 }
 
-/// For two catalog screws for the same axis, each rule must name the better offer, and the
-/// differing inputs must be listed.
+/// For two catalog screws on the same axis, the comparison must state which offer is better under
+/// each rule and list the inputs that differ.
 #[test]
 fn two_offers_are_compared_side_by_side() {
     let dir = folder();

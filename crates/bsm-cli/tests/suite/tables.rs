@@ -1,5 +1,5 @@
-//! Tests of user tables, of the origin stored in tables, of workbooks and of map plots on the
-//! command line.
+//! Tests of users' tables, of the description of origin in tables, of workbooks and of map plots on
+//! the command line.
 
 use std::fs::{self, File};
 use std::io::Read;
@@ -20,7 +20,7 @@ fn run(folder: &Path, args: &[&str], code: i32) -> (String, String) {
 }
 
 /// Regression test: there were no options for semicolons, decimal commas and other column names,
-/// and `1.500` was silently read as 1.5.
+/// and `1.500` was read as 1.5 without a message.
 #[test]
 fn user_table_with_other_separators_and_names_is_read() {
     let dir = folder();
@@ -43,7 +43,7 @@ fn user_table_with_other_separators_and_names_is_read() {
     run(dir.path(), &[&["sweep", "--points", "ours.csv", "-o", "b.csv"], &common[..]].concat(), 0);
     let read = |name: &str| fs::read_to_string(at(name)).expect("a table");
     assert_eq!(read("a.csv"), read("b.csv"));
-    // A copied column keeps its own name. The format options also work for datasets.
+    // A copied column must keep its own name. The format options must also work for datasets.
     let keep = ["sweep", "--points", "own.csv", "-o", "map/", "--keep", "note"];
     run(dir.path(), &[&keep[..], &common, &dialect].concat(), 0);
     assert!(read("map/plan.json").contains("\"delimiter\":\";\""));
@@ -101,8 +101,8 @@ fn user_table_with_other_separators_and_names_is_read() {
     assert!(read("x.csv").contains("invalid_input"), "{}", read("x.csv"));
 }
 
-/// Regression test: tables contained no information about their origin. The stored case must
-/// reproduce the table.
+/// Regression test: tables contained no information about their origin. Every table must contain a
+/// case that reproduces the table.
 #[test]
 fn tables_contain_a_description_of_their_origin() {
     let dir = folder();
@@ -147,7 +147,7 @@ fn tables_contain_a_description_of_their_origin() {
     let again = ["sweep", "again.json", "--vary", &vary, "--columns", "efficiency,ball_torque_Nm"];
     run(dir.path(), &[&again[..], &["--tolerance", "1e-3", "-o", "again.csv"]].concat(), 0);
     assert_eq!(fs::read(at("again.csv")).expect("table"), fs::read(at("map.csv")).expect("table"));
-    // If the points come from a table, its hash is stored.
+    // If the points come from a table, the hash of this table must be stored.
     fs::copy(at("map.csv"), at("points.csv")).expect("copy");
     let batch = [
         "sweep",
@@ -222,8 +222,8 @@ fn workbooks_keep_all_digits_of_64_bit_integers() {
     }
 }
 
-/// A workbook must contain the names, the units, the numbers of the CSV table and a description of
-/// their origin.
+/// A workbook must contain the column names, the units, the numbers of the CSV table, and a
+/// description of their origin.
 #[test]
 fn workbooks_contain_units_and_the_numbers_of_the_csv_table() {
     let dir = folder();
@@ -257,7 +257,8 @@ fn workbooks_contain_units_and_the_numbers_of_the_csv_table() {
             let found: f64 =
                 cell(&format!("{place}{row}")).expect("a cell").parse().expect("a number");
             let other: f64 = record[column].parse().expect("a number");
-            // A workbook stores sixteen digits, but the table has seventeen.
+            // A workbook stores sixteen digits of each number, whereas the CSV table contains
+            // seventeen.
             assert!((found - other).abs() <= 1e-15 * other.abs(), "{found} {other}");
         }
     }
@@ -267,7 +268,7 @@ fn workbooks_contain_units_and_the_numbers_of_the_csv_table() {
         "{about}"
     );
 
-    // Ratings, design steps and catalog nuts can also be written as workbooks.
+    // Ratings, design steps and catalog nuts must also be available as workbooks.
     run(dir.path(), &["solve", &example("nut.json"), "--show", "ratings", "-o", "ratings.xlsx"], 0);
     assert!(
         sheet(&at("ratings.xlsx"), "xl/worksheets/sheet1.xml").contains("dynamic_load_rating_N")
@@ -280,7 +281,7 @@ fn workbooks_contain_units_and_the_numbers_of_the_csv_table() {
     run(dir.path(), &["select", "--from", "lists.json", "-o", "nuts.xlsx"], 0);
     assert!(sheet(&at("nuts.xlsx"), "xl/worksheets/sheet1.xml").contains("nut_mass_kg"));
 
-    // A table with more rows than a worksheet can hold is rejected before any row is solved.
+    // A table with more rows than a worksheet can hold must be rejected before any row is solved.
     let many = ["sweep", &drive, "--vary", "lead_mm=5:20:1048575", "-o", "many.xlsx"];
     let (_, told) = run(dir.path(), &many, 1);
     assert!(
@@ -290,8 +291,8 @@ fn workbooks_contain_units_and_the_numbers_of_the_csv_table() {
     assert!(!at("many.xlsx").exists());
 }
 
-/// Regression test: in earlier versions, a grid of 30 x 40 points could not be plotted, axes were
-/// labeled with column names, and model changes were not marked.
+/// Regression test: earlier versions could not plot a grid of 30 x 40 points, labeled axes with
+/// column names, and did not mark model changes.
 #[test]
 fn a_map_plot_shows_axis_labels_and_model_names() {
     let dir = folder();
@@ -322,10 +323,10 @@ fn a_map_plot_shows_axis_labels_and_model_names() {
     }
     let mut head = [0; 24];
     File::open(at("x.map.png")).expect("a picture").read_exact(&mut head).expect("a head");
-    // The image size in the PNG header is twice the size of the SVG.
+    // The image size in the PNG header must be twice the size of the SVG.
     let size = |at: usize| u32::from_be_bytes(head[at..at + 4].try_into().expect("four"));
     assert!(head.starts_with(b"\x89PNG") && (size(16), size(20)) == (1280, 800), "{head:?}");
-    // Curves have a mark at each point where the model changes.
+    // Curves must have a mark at each point where the model changes.
     let line =
         ["sweep", &drive, "--vary", "axial_load_N=100:20000:30:log", "--columns", "efficiency"];
     run(dir.path(), &[&line[..], &["--keep-going", "-o", "x.csv", "-o", "line.svg"]].concat(), 0);
@@ -336,7 +337,7 @@ fn a_map_plot_shows_axis_labels_and_model_names() {
     assert!(told.contains("a map needs two varied inputs"), "{told}");
 }
 
-/// Regression test: a curve of torque or heat jumped by 2 to 13 % where `auto` changed the model,
+/// Regression test: where `auto` changed the model, a curve of torque or heat jumped by 2 to 13 %
 /// without a message.
 #[test]
 fn a_sweep_notes_where_auto_changes_the_model() {
@@ -361,8 +362,8 @@ fn a_sweep_notes_where_auto_changes_the_model() {
     assert!(!note.contains("more"), "{note}");
 }
 
-/// With inch units, names, units and numbers of sweep columns are converted, and so are the axes of
-/// plots. A column can also be requested in another unit.
+/// With inch units, the names, units and numbers of sweep columns must be converted, and so must
+/// the axes of plots. It must also be possible to request a column in another unit.
 #[test]
 fn sweep_columns_and_plots_use_display_units() {
     let dir = folder();
@@ -397,7 +398,7 @@ fn sweep_columns_and_plots_use_display_units() {
     let number = |cell: &str| cell.parse::<f64>().expect("a number");
     for (row, pounds) in [(1, 1000.0), (2, 2000.0)] {
         let (own, shown) = (&metric[row], &inch[row]);
-        // The tolerances allow for two roundings of each value.
+        // The tolerances allow for two rounding errors per value.
         assert!((number(&shown[0]) / pounds - 1.0).abs() < 1e-14, "{shown:?}");
         let ratio = number(&own[4]) / number(&shown[4]);
         assert!((ratio / 0.112_984_829_027_616_7 - 1.0).abs() < 1e-14, "{ratio}");
@@ -416,16 +417,17 @@ fn sweep_columns_and_plots_use_display_units() {
     sweep(columns, &map);
     let map = fs::read_to_string(dir.path().join("a.map.svg")).expect("a map");
     assert!(map.contains("axial load, lbf") && map.contains("screw torque, lbf in"), "{map}");
-    // Other programs read parts of a folder and lookup tables in the units that the column names
-    // state.
+    // Parts of a folder and lookup tables always have metric units, because other programs read
+    // them.
     let folder =
         ["sweep", &case, "--vary", "axial_load_N=1000,2000", "--units", "inch", "-o", "parts/"];
     let (_, message) = run(dir.path(), &folder, 2);
     assert!(message.contains("a folder of parts has metric units"), "{message}");
 }
 
-/// If a cycle or a list of nuts is separated by semicolons, the error message suggests the options
-/// `--delimiter` and `--decimal`. `--names` maps the columns of a cycle.
+/// If the separator of a load cycle or a list of nuts is a semicolon, the error message must
+/// suggest the options `--delimiter` and `--decimal`. The option `--names` must also apply to the
+/// columns of a load cycle.
 #[test]
 fn error_for_semicolon_separated_file_suggests_the_delimiter() {
     let dir = folder();

@@ -1,4 +1,4 @@
-//! The figures of Sobolewski (2002) for arbitrary lists of sizes.
+//! The figures of Sobolewski (2002), drawn for arbitrary lists of sizes.
 
 use bsm_case::Catalog;
 use bsm_case::units::{DEG, MM, UM};
@@ -6,10 +6,10 @@ use bsm_design::{Candidate, LIMIT_LOAD, Size};
 
 use crate::{Curve, Figure, MAX_CURVES, PlotAxis, Stroke};
 
-/// Number of nuts that are calculated at a time.
+/// Number of nuts that are calculated in one batch.
 const PART: usize = 1 << 14;
 
-/// A dimension in which the nuts of a figure differ.
+/// A dimension of a nut that a figure can vary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Entry {
     Diameter,
@@ -20,7 +20,7 @@ enum Entry {
     ContactAngle,
 }
 
-/// For a dimension: its name, its unit (text and SI value), and a function that returns its value.
+/// Name, unit (text and SI value) and value function of a dimension.
 type EntryRow = (&'static str, (&'static str, f64), fn(&Size) -> f64);
 
 use Entry::{Ball, Conformity, ContactAngle, Diameter, Lead, Turns};
@@ -47,7 +47,7 @@ impl Entry {
         (self.row().2)(size)
     }
 
-    /// Returns the dimension of a nut in its printed unit, rounded to a thousandth.
+    /// Returns the dimension of a nut in the unit of the label, rounded to three decimals.
     fn printed(self, size: &Size) -> f64 {
         (1e3 * self.of(size) / self.row().1.1).round() * 1e-3
     }
@@ -63,8 +63,8 @@ impl Entry {
 /// A quantity of a nut: its axis label, and a function that returns its value.
 type PlottedNumber = (&'static str, fn(&Candidate) -> f64);
 
-/// A figure of the paper: a quantity against one dimension, with a curve for each value of another
-/// dimension. The remaining dimensions have the values stated in the caption.
+/// A figure of the paper, which shows a quantity as a function of one dimension, with a curve for
+/// each value of another dimension. The remaining dimensions have the values stated in the caption.
 struct Drawing {
     key: &'static str,
     /// Number of the figure in the paper.
@@ -75,9 +75,10 @@ struct Drawing {
     near: Size,
 }
 
-/// Returns Figs 3 to 10 of the paper with the dimensions stated in its captions and text. Figs 4 to
-/// 6 do not state the lead and the ball diameter. A lead of 10 mm and the ball of Figs 3, 7 and 9
-/// are used for them, because this combination is possible for all diameters.
+/// Returns Figs 3 to 10 of the paper with the dimensions stated in its captions and text. For Figs
+/// 4 to 6, the paper states neither the lead nor the ball diameter. These figures use a lead of 10
+/// mm and the ball diameter of Figs 3, 7 and 9, because this combination is possible for all
+/// nominal diameters.
 fn drawings() -> [Drawing; 12] {
     let rating: PlottedNumber = ("dynamic load rating, kN", |c| 1e-3 * c.dynamic_rating);
     let stiffness: PlottedNumber = ("stiffness of the preloaded pair, N/um", |c| c.stiffness * UM);
@@ -115,14 +116,14 @@ fn drawings() -> [Drawing; 12] {
 }
 
 impl Drawing {
-    /// Returns the dimensions that are the same for all nuts of the figure.
+    /// Returns the dimensions that all nuts of the figure have in common.
     fn fixed(&self) -> impl Iterator<Item = Entry> {
         let drawn = [self.x, self.series];
         Entry::ALL.into_iter().filter(move |entry| !drawn.contains(entry))
     }
 
-    /// Returns the logarithmic distance between the dimensions of a nut and the dimensions in the
-    /// caption.
+    /// Returns the logarithmic distance of the fixed dimensions of a nut from the dimensions stated
+    /// in the caption.
     fn distance(&self, size: &Size) -> f64 {
         self.fixed().map(|entry| (entry.of(size) / entry.of(&self.near)).ln().abs()).sum()
     }
@@ -187,9 +188,9 @@ impl Drawing {
     }
 }
 
-/// Returns Figs 2 to 10 of Sobolewski (2002) for the nuts of a catalog. The dimensions are taken
-/// from the captions; if no nut has these dimensions, the nearest dimensions are used. A figure
-/// with fewer than two nuts is omitted.
+/// Returns Figs 2 to 10 of Sobolewski (2002) for the nuts of a catalog. The fixed dimensions of a
+/// figure are those of the nut that is closest to the dimensions in the caption. A figure with
+/// fewer than two nuts is omitted.
 pub fn catalog_figures(catalog: &Catalog, places: &[u32]) -> Vec<Figure> {
     let drawings = drawings();
     let mut nearest = [(f64::INFINITY, None); 12];
@@ -214,7 +215,7 @@ pub fn catalog_figures(catalog: &Catalog, places: &[u32]) -> Vec<Figure> {
     };
     let mut figures: Vec<Figure> = Vec::new();
     for figure in drawn.iter().filter_map(figure) {
-        // The same nuts may be nearest to two captions, so duplicate figures are left out.
+        // The same nuts may be closest to two captions, so duplicate figures are left out.
         let same = |other: &Figure| {
             (&other.caption, &other.x, &other.y) == (&figure.caption, &figure.x, &figure.y)
         };
@@ -226,7 +227,7 @@ pub fn catalog_figures(catalog: &Catalog, places: &[u32]) -> Vec<Figure> {
     diagram.map(preload_diagram).into_iter().chain(figures).collect()
 }
 
-/// Plots the forces in a preloaded pair against its displacement, as sketched in Fig 2 of the
+/// Plots the forces in a preloaded nut pair against the displacement, as sketched in Fig 2 of the
 /// paper.
 fn preload_diagram(nut: &Candidate) -> Figure {
     let Candidate { elasticity, preload, size, .. } = nut;

@@ -1,5 +1,6 @@
 //! Sweeps of Dong et al. (2020), Figs 13-19: contact results, wedge angle, friction, drag and
-//! thrust against speed, load, return angle and step height. `jam.json` defines the figures.
+//! thrust as functions of speed, load, return angle and step height. `jam.json` defines the
+//! figures.
 
 use bsm_case::{Case, OutputName, Settings};
 use bsm_dyn::{ModelWorkspace, Solution};
@@ -8,14 +9,14 @@ use serde::Deserialize;
 use super::study::{Rows, Study, analyzed, line, sizes};
 use crate::{Figure, PlotAxis, ReportError, Stroke};
 
-/// Factors by which the load and the speed of the case are multiplied. In the paper, the loads
-/// range from 8 to 24 kN around 16 kN, and the speeds range up to 5000 rpm around 2500 rpm. A speed
-/// of zero is omitted.
+/// Factors that multiply the load and the speed of the case. In the paper, the loads range from 8
+/// to 24 kN around 16 kN, and the speeds range up to 5000 rpm around 2500 rpm. A speed of zero is
+/// omitted.
 const LOADS: [f64; 3] = [0.5, 1.0, 1.5];
 const SPEEDS: [f64; 3] = [0.2, 1.0, 2.0];
 
-/// Rounding error of a curve divided by its largest value. It is also the smallest value that is
-/// shown on a logarithmic axis, in the unit of the axis.
+/// Relative rounding error of a curve, based on its largest value. This number is also the smallest
+/// value that is shown on a logarithmic axis, in the unit of the axis.
 const ROUNDING: f64 = 1e-9;
 
 /// Definition of a figure in `jam.json`.
@@ -24,11 +25,13 @@ struct Drawing {
     key: String,
     title: String,
     caption: String,
-    /// Name of the sweeps. Every curve is drawn for each of these sweeps.
+    /// Name of the sweeps that the figure shows. Every curve is drawn for each sweep with this
+    /// name.
     sweeps: String,
     y: String,
     log: bool,
-    /// Sets of curves. The curves of each set are drawn for one sweep after another.
+    /// Groups of curves. Within a group, all curves of one sweep are drawn before the curves of the
+    /// next sweep.
     curves: Vec<Vec<PlotLine>>,
 }
 
@@ -41,7 +44,7 @@ fn drawings() -> Vec<Drawing> {
     serde_json::from_str(include_str!("jam.json")).expect("valid figure definitions")
 }
 
-/// Sweeps over the same quantity, with their labels.
+/// Sweeps that vary the same quantity, with their labels.
 struct Sweeps {
     name: &'static str,
     axis: &'static str,
@@ -68,9 +71,9 @@ fn relative_rpm(case: &Case) -> f64 {
     (case.screw_speed_rpm.unwrap_or(f64::NAN) - case.nut_speed_rpm.unwrap_or(0.0)).abs()
 }
 
-/// Performs all sweeps around a case: over loads from half to one and a half times its load, over
-/// speeds of up to twice its speed and, if the case describes a ball return, over the return
-/// geometry.
+/// Performs all sweeps around a case: over loads from half to one and a half times the load of the
+/// case, over speeds up to twice its speed and, if the case describes a ball return, over the
+/// geometry of the ball return.
 fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> {
     let mut work = ModelWorkspace::default();
     let mut run = |cases| analyzed(cases, settings, &mut work);
@@ -99,7 +102,7 @@ fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> 
             let angle = f64::from(i);
             (angle, Case { return_angle_deg: Some(angle), ..case.clone() })
         };
-        // If the step is higher than half of the ball, no thrust can lift the ball over it.
+        // If the step is higher than the ball radius, no thrust can lift the ball over it.
         let height = |i| {
             let part = f64::from(i) / 200.0;
             let step_height_mm = case.ball_diameter_mm.map(|ball| part * ball);

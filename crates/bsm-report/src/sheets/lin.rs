@@ -23,8 +23,8 @@ const DIRECTIONS: [(Direction, &str, Stroke); 2] = [
 /// A function that returns an output of a solution. `None` leaves a gap in the curve.
 pub type Read = fn(&Solution) -> Option<f64>;
 
-/// Calculates an output as a function of an input. Each returned point contains the input and the
-/// output.
+/// Calculates an output as a function of an input. Each returned point contains the values of the
+/// input and the output.
 ///
 /// # Errors
 ///
@@ -46,10 +46,10 @@ pub fn points(
     values.iter().map(point).collect()
 }
 
-/// Returns Figs 3 to 7 of Lin, Velinsky and Ravani (1994) around a case: efficiency against both
-/// angles, normal loads, efficiency against the direction of slip, optimum contact angle, and
-/// limits of self-locking, in the display units of the case. Figures and exact solutions for which
-/// the case lacks inputs are omitted.
+/// Returns Figs 3 to 7 of Lin, Velinsky and Ravani (1994) for a case, in its display units:
+/// efficiency as a function of lead angle and of contact angle, normal loads, efficiency as a
+/// function of the slip direction, optimum contact angle, and self-locking limits. Figures and
+/// exact solutions for which the case lacks inputs are omitted.
 ///
 /// # Errors
 ///
@@ -84,7 +84,7 @@ pub fn around_cases(case: &Case, slender: &Case) -> Result<Vec<Figure>, ReportEr
     Ok(figures)
 }
 
-/// Returns the case with the direction of rotation in which the drive works against the load.
+/// Returns the case with the direction of rotation in which the motor drives against the load.
 fn forward(case: &Case) -> Case {
     let mut case = case.clone();
     if case.speeds_rpm().is_some_and(|(screw, nut)| screw < nut) {
@@ -113,8 +113,8 @@ fn degrees(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
 }
 
 /// Draws the closed-form solution as lines and the exact solution at every third point as circles,
-/// with one color for each value in `others`. For the first value, which is the value of the case,
-/// the other drive direction is also drawn.
+/// with one color for each value in `others`. The first of these values is the value of the case;
+/// for this value, the other drive direction is drawn, too.
 fn exact_and_closed(
     case: &Case,
     (input, values): (&str, &[f64]),
@@ -148,7 +148,8 @@ fn moving(solution: &Solution) -> Option<f64> {
     solution.efficiency().filter(|eta| *eta > 0.0)
 }
 
-/// Returns the value `own` and the values at the given distances from it that are within the range.
+/// Returns the value `own`, followed by all values within the range whose offset from `own` is in
+/// `others`.
 fn around(own: f64, others: [f64; 2], (low, high): (f64, f64)) -> Vec<f64> {
     let others = others.into_iter().map(|off| own + off).filter(|x| (low..=high).contains(x));
     std::iter::once(own).chain(others).collect()
@@ -174,7 +175,7 @@ fn lead_angle(case: &Case) -> Result<Figure, ReportError> {
 }
 
 fn contact_angle(case: &Case) -> Result<Figure, ReportError> {
-    // Rounding removes the error of the conversion to radians and back.
+    // Rounding removes the error of converting the lead angle to radians and back.
     let own = case.lead_angle().map_or(f64::NAN, |lead| (1e9 * lead.to_degrees()).round() * 1e-9);
     let leads = around(own, [10.0, 20.0], (0.1, 60.0));
     let over = (CONTACT.0, &degrees(5..=85)[..]);
@@ -206,7 +207,7 @@ fn normal_loads(case: &Case) -> Result<Figure, ReportError> {
     ];
     let mut curves = Vec::new();
     for (i, (label, model, stroke, read)) in reads.into_iter().enumerate() {
-        // The curves would coincide, so their marks are drawn at alternating points.
+        // The curves would coincide, so their marks are drawn alternately.
         let values: Vec<_> = match stroke {
             Stroke::Solid => degrees(5..=85),
             _ => degrees(5..=85).into_iter().skip(2 * i).step_by(4).collect(),
@@ -238,8 +239,8 @@ fn slip_angles(case: &Case) -> Result<Figure, ReportError> {
     let over = (LEAD.0, &degrees(1..=60)[..]);
     let read: Read = |o| o.contact(Site::Screw)?.slip_angle.map(f64::to_degrees);
     let mut curves = exact_and_closed(case, over, (CONTACT.0, &contacts), read)?;
-    // The curves of the other drive direction are removed, because they are equal except for a
-    // rotation by 180 degrees.
+    // The curves of the other drive direction are removed, because they are equal to the remaining
+    // curves except for a rotation by 180 degrees.
     curves.retain(|curve| curve.stroke != Stroke::Dashed);
     Ok(Figure::new(
         [
@@ -256,7 +257,8 @@ fn slip_angles(case: &Case) -> Result<Figure, ReportError> {
     ))
 }
 
-/// Draws Eq 11 as corrected and as printed. Returns `None` if inputs are missing.
+/// Draws the efficiency from Eq 11 of the paper, both as corrected and as printed. Returns `None`
+/// if inputs are missing.
 fn slip_direction(case: &Case) -> Option<Figure> {
     let (lead, contact) = (case.lead_angle()?, case.contact_angle_deg?.to_radians());
     let (friction, pitch) = (case.friction_coefficient?, case.pitch_circle_diameter_mm?);

@@ -12,15 +12,15 @@ const CLASSES: [(f64, f64, &str); 4] = [
     (0.0, 0.25, "below 1/4"),
 ];
 
-/// Needed gap below which all balls are considered equal \[mm\]. With equal balls, the calculated
-/// ball advance is a rounding error far below this value of one nanometer.
+/// Needed ball gap below which all balls are considered equal \[mm\]. With equal balls, the
+/// calculated ball advance is only a rounding error, far below this limit of one nanometer.
 const NO_GAP: f64 = 1e-6;
 
 /// Caption for quantities that exist only at loaded flanks.
 const TOUCHED: &str = "Each mark is a ball; balls that do not touch the flank have no mark.";
 
 /// Returns the figures of a nut: loads and contact angles along the helix, the developed nut, and
-/// displacement and preload against the axial load.
+/// displacement and preload as functions of the axial load.
 pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
     let balls = report.balls();
     let curve = report.curve();
@@ -94,8 +94,8 @@ fn train(balls: &Columns) -> Vec<Figure> {
     figures.into_iter().filter(|figure| !figure.curves.is_empty()).collect()
 }
 
-/// Plots the free and actual ball speeds, divided by the mean free speed. A line connects balls
-/// that touch each other.
+/// Plots the free and actual speeds of the balls, divided by the mean free speed. Balls that touch
+/// each other are connected by a line.
 fn speeds(balls: &Columns) -> Figure {
     let at = |row: &Vec<f64>, name| balls.cell(row, name);
     let free: Vec<_> =

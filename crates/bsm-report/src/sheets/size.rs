@@ -37,9 +37,9 @@ const EQUATIONS: [(char, &str); 5] = [
     ('Z', "axis: manufacturers' catalogs, Euler, ISO 3408"),
 ];
 
-/// Numbers of significant digits: for quantities that depend on the friction coefficient, which is
-/// only roughly known; for quantities from catalog formulas; and for quantities from geometry and
-/// accuracy grades.
+/// Numbers of significant digits for three kinds of quantities: quantities that depend on the
+/// friction coefficient, which is only roughly known; quantities from catalog formulas; and
+/// quantities from geometry and accuracy grades.
 const DIGITS: [u8; 3] = [2, 3, 4];
 
 /// Results that appear only in the JSON file and not on the two pages of the sheet, because other
@@ -215,8 +215,8 @@ fn equations(rules: &[Criterion]) -> String {
     cited.map(|(letter, words)| format!("({letter}) {words}")).collect::<Vec<_>>().join("; ")
 }
 
-/// Returns the process force of a phase as text: its value at the start and, if it changes, also at
-/// the end.
+/// Returns the process force of a phase as text: the value at the start and, if the force changes,
+/// also the value at the end.
 fn process_force(report: &AxisReport, phase: &ScrewTorque) -> Option<String> {
     let unit = report.case.display_units().of("N");
     let text = |force: f64| digits(unit.value(force), DIGITS[1]);
@@ -241,8 +241,8 @@ fn rule_row((rule, row): (&Criterion, &Value)) -> Value {
     row
 }
 
-/// Formats a number with as many digits as its uncertainty justifies. An input is printed as it was
-/// entered.
+/// Formats a number with as many digits as its uncertainty justifies, or exactly as entered if the
+/// number is an input.
 ///
 /// * `inputs`: given inputs, including the list of estimated inputs.
 fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
@@ -253,7 +253,7 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
     match quantity.title {
         _ if is_given => trimmed(value),
         // Efficiencies are excluded, because the relative error of an efficiency is smaller than
-        // the relative error of the loss.
+        // the relative error of the power loss.
         _ if quantity.follows_from_friction() && !quantity.unit.is_empty() => {
             digits(value, friction)
         }
@@ -270,7 +270,8 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
 }
 
 /// Returns a table row for a phase of the cycle: its quantities, the torque contributions, and the
-/// percentage of the heat that each contribution causes. The load itself causes no heat.
+/// percentage of the heat that each contribution causes. The torque due to the load itself causes
+/// no heat.
 fn phase_row(report: &AxisReport, place: usize) -> Value {
     let phase = &report.phases[place];
     let parts = ScrewTorque::PARTS.map(|name| phase.number(name));
@@ -296,7 +297,7 @@ fn phase_row(report: &AxisReport, place: usize) -> Value {
 /// Returns a table row with symbol, label, unit and formatted number.
 ///
 /// * `inputs`: given inputs, including the list of estimated inputs.
-/// * `answer`: answer that lists the inputs that are missing for the number.
+/// * `answer`: answer that lists the inputs that are missing for the calculation of the number.
 fn number_row(
     Row { quantity, unit, values, bands }: &Row,
     inputs: &Value,
@@ -362,7 +363,7 @@ fn groups(report: &AxisReport) -> Vec<Value> {
 
 /// Returns the figures in the display units of the case: load and speed of the screw over the
 /// cycle, a load-speed diagram with the phases of the cycle and their limits, and, if requested,
-/// the warm states against the speed.
+/// temperatures and preload in the warm steady state against the speed.
 pub fn size_figures(report: &AxisReport) -> Vec<Figure> {
     // If there is only one phase, nothing varies over time.
     let cycle = (report.phases.len() > 1).then(|| over_time(report));
@@ -444,7 +445,8 @@ fn among_limits(report: &AxisReport) -> Figure {
     let known = |limits: &[(Option<f64>, &str)], least: f64| {
         limits.iter().filter_map(|(limit, _)| *limit).fold(least, f64::max)
     };
-    // Distant limits are omitted, because they would compress the points into a corner.
+    // Distant limits are omitted, because they would compress the points of the phases into a
+    // corner.
     let far = known(&speeds, 1.25 * fastest).min(4.0 * fastest);
     let high = known(&loads, 1.5 * largest).min(5.0 * largest);
     let mut curves = Vec::new();

@@ -1,5 +1,5 @@
-//! Sweeps of Xu and Tang (2015), Figs 7-9: slip of a ball that rolls at given contact angles, or of
-//! a ball whose motion a model calculates.
+//! Sweeps of Xu and Tang (2015), Figs 7-9: slip of a ball that rolls at given contact angles or
+//! moves as calculated by a model.
 
 use bsm_case::units::RPM;
 use bsm_case::{Answer, Case, CaseError, OutputName, Settings, output};
@@ -14,8 +14,8 @@ use crate::{Figure, PlotAxis, ReportError, Stroke};
 const PITCH: [f64; 2] = [7.0 / 6.0, 15.0];
 
 /// A slip formula that is drawn as a curve: name, kind of slip, line style for the source of the
-/// formula, label, and outputs at nut and screw. The printed formulas for one contact use the
-/// contact angle of the other contact.
+/// formula, label, and outputs at nut and screw. The formulas printed in the paper use, for each
+/// contact, the contact angle of the other contact.
 type Slip = (&'static str, usize, Stroke, &'static str, [OutputName; 2]);
 
 const PRINTED: Stroke = Stroke::Solid;
@@ -92,7 +92,7 @@ const SLIPS: [Slip; 9] = [
     ),
 ];
 
-/// A varied quantity: its name in figure keys, and its axis label.
+/// A varied quantity: its name in the keys of figures, and its axis label.
 type Sweep = (&'static str, &'static str);
 
 const LEAD_ANGLE: Sweep = ("lead-angle", "lead angle, deg");
@@ -139,15 +139,15 @@ fn at(case: &Case, (name, _): Sweep, value: f64) -> Result<Case, CaseError> {
     Ok(varied)
 }
 
-/// Slips at a point of a sweep, and the efficiency. The efficiency comes from the model or, for a
-/// rolling ball, from the closed-form solution of Lin.
+/// Slips at a point of a sweep, and the efficiency. The model calculates the efficiency; for a
+/// rolling ball, Lin's closed-form solution is used.
 type State = (Answer, f64);
 
 /// A point of a sweep: value of the varied quantity, and results if there is a solution.
 type Point = (f64, Option<State>);
 
 /// Calculates the slips of a rolling ball with the contact ellipses of `solution`. Because the
-/// ellipses are kept, a curve shows only the effect of the motion and not of the load.
+/// ellipses do not change, a curve shows only the effect of the motion and not of the load.
 fn rolling(case: &Case, settings: &Settings, solution: &Solution) -> Option<State> {
     let report = bsm_case::slip(case, settings, solution).ok()?;
     let (screw, nut) = case.speeds_rpm()?;
@@ -156,8 +156,8 @@ fn rolling(case: &Case, settings: &Settings, solution: &Solution) -> Option<Stat
     Some((report, angles.efficiency(direction, case.friction_coefficient?)))
 }
 
-/// Solves a case with a model and calculates its slips. Returns `None` if there is no solution or
-/// if the value is not permitted, for example because the pitch circle is too small.
+/// Solves a case with a model and calculates the slips. Returns `None` if the case has no solution
+/// or is not permitted, for example because the pitch circle is too small.
 fn solved(case: &Case, settings: &Settings, work: &mut ModelWorkspace) -> Option<State> {
     let solution = case.problem(settings).ok()?.solve(work);
     let report = bsm_case::slip(case, settings, &solution).ok()?;
@@ -168,12 +168,12 @@ impl Study {
     /// Performs sweeps over contact angle, lead angle, pitch circle and speed around a case.
     ///
     /// With raceway control, the ball rolls at given contact angles without a force balance, and
-    /// the nut is the controlling raceway unless the settings state otherwise. The contact angles
-    /// at nut and screw are varied one at a time; the other angle is the contact angle of the case
-    /// in motion. With any other model, each point is solved. In this case, the contact angle is
-    /// varied, which is the unloaded contact angle for models with elastic contacts. `solution`
-    /// determines the model, which must calculate the motion of the ball, and for raceway control
-    /// also the contact ellipses.
+    /// the nut is the controlling raceway unless the settings state otherwise. The contact angle at
+    /// the nut and the contact angle at the screw are varied one at a time, while the other angle
+    /// keeps the value in the solution of the case. With any other model, each point is solved with
+    /// a different contact angle, which is the unloaded contact angle for models with elastic
+    /// contacts. `solution` determines the model, which must calculate the motion of the ball and,
+    /// for raceway control, also the contact ellipses.
     ///
     /// # Errors
     ///
@@ -290,7 +290,7 @@ impl Study {
     ) -> Result<(), ReportError> {
         let Some((screw, nut)) = case.speeds_rpm() else { return Ok(()) };
         let mut angles = [Vec::new(), Vec::new()];
-        // The speeds range from one fiftieth to twice the speed in the case.
+        // The speeds range from one fiftieth of the speed of the case to twice this speed.
         for i in 0..=40 {
             let factor = 0.02 * 100.0_f64.powf(f64::from(i) / 40.0);
             let case = Case {

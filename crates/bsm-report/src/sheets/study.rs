@@ -1,4 +1,4 @@
-//! Sweeps of analyses of the ball motion: figures, and curves with which published trends are
+//! Sweeps for analyses of the ball motion: figures, and curves from which published trends are
 //! checked.
 
 use bsm_case::{AnalysisKind, Case, MotionAnswer, Numbers, OutputName, Settings};
@@ -25,7 +25,7 @@ pub struct Course {
 pub struct Study {
     /// The figures of the analysis.
     pub figures: Vec<Figure>,
-    /// Named curves with which published trends are checked.
+    /// Named curves from which published trends are checked.
     pub courses: Vec<Course>,
 }
 
@@ -48,7 +48,7 @@ impl Study {
 /// no results.
 pub(super) type Rows = Vec<(f64, Vec<Numbers>)>;
 
-/// Calculates the jamming and slip analyses of several cases, each of which is paired with its x
+/// Runs the jamming and slip analyses of several cases. Each case is given together with its x
 /// value.
 pub(super) fn analyzed(
     cases: Vec<(f64, Case)>,
@@ -66,7 +66,7 @@ pub(super) fn analyzed(
     cases.into_iter().map(&mut row).collect()
 }
 
-/// Returns the absolute values of a quantity over a sweep. The sign is dropped, because it only
+/// Returns the absolute values of a quantity over a sweep. The sign is ignored, because it only
 /// indicates a direction.
 pub(super) fn sizes(rows: &Rows, name: OutputName) -> Vec<(f64, f64)> {
     let read = |analyses: &Vec<Numbers>| {

@@ -4,18 +4,19 @@ use bsm_case::{ManufacturerRow, trimmed};
 
 use crate::{Curve, Figure, MAX_CURVES, PlotAxis, Stroke};
 
-/// Sizes of a nut for the horizontal axis. The first size that the table contains is used.
+/// Dimensions of a nut for the horizontal axis. The first dimension that the table contains is
+/// used.
 const SIZES: [(&str, &str); 2] = [
     ("nominal_diameter_mm", "nominal diameter, mm"),
     ("pitch_circle_diameter_mm", "pitch circle diameter, mm"),
 ];
 
-/// A quantity on the vertical axis of a figure: file name, title, axis label, alternative columns
+/// A quantity for the vertical axis of a figure: file name, title, axis label, alternative columns
 /// in order of preference, and factor that converts the column to the unit of the label.
 type Drawn = (&'static str, &'static str, &'static str, &'static [&'static str], f64);
 
-/// Quantities that are plotted against the size. The last two quantities are known only if a
-/// requirement describes the axis.
+/// Quantities that are plotted against the selected dimension. The last two quantities are known
+/// only if a requirement describes the axis.
 const DRAWN: [Drawn; 6] = [
     (
         "nuts-dynamic-rating",
@@ -49,9 +50,9 @@ const DRAWN: [Drawn; 6] = [
     ),
 ];
 
-/// Returns figures of the ratings, stiffness and mass of the nuts of a table and, with a
-/// requirement, of life and motor torque. Each nut is a circle; nuts with the same lead have the same
-/// color. A figure of fewer than two nuts is omitted.
+/// Returns figures of the ratings, stiffness and mass of the nuts in a table and, with a
+/// requirement, of life and motor torque. Each nut is a circle, whose color represents the lead. A
+/// figure with fewer than two nuts is omitted.
 pub fn table_figures(rows: &[&ManufacturerRow]) -> Vec<Figure> {
     let has_size = |(name, _): &(&str, &str)| rows.iter().any(|row| row.value(name).is_some());
     let Some((size, x)) = SIZES.into_iter().find(has_size) else { return Vec::new() };

@@ -1,4 +1,5 @@
-//! Figures of the warm steady state against the speed: temperatures, and the preload with its fold.
+//! Figures of the warm steady states as functions of the speed: temperatures, and the preload with
+//! its fold.
 
 use bsm_case::{AxisReport, WarmBranch, WarmPoint, output};
 use bsm_design::least_preload;
@@ -9,13 +10,13 @@ use crate::{Curve, Figure, PlotAxis, Stroke};
 /// the unstable points beyond it.
 fn part(branch: &WarmBranch, stable: bool, value: impl Fn(&WarmPoint) -> f64) -> Vec<(f64, f64)> {
     let points = branch.points.iter().filter(|point| point.stable == stable);
-    // The stable and the unstable part meet at the fold.
+    // The stable and the unstable part of the branch meet at the fold.
     let fold = branch.fold().filter(|_| !stable);
     fold.into_iter().chain(points).map(|point| (point.speed_rpm, value(point))).collect()
 }
 
-/// Plots the preload of one or several axes against the speed. The line is solid up to the fold and
-/// dashed beyond it; a circle marks the fold.
+/// Plots the warm preload of one or several axes against the speed. The line is solid up to the
+/// fold and dashed beyond it; a circle marks the fold.
 pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)]) -> Figure {
     let preload = |point: &WarmPoint| point.preload_N;
     let mut curves = Vec::new();
