@@ -479,7 +479,7 @@ pub(crate) struct NutArgs {
     pub(crate) show: NutTable,
     /// Solve N nuts with random ball diameters (ball_deviation_sd_um) and phases of lead_error, and
     /// print quantiles of the results.
-    #[arg(long, value_name = "N", conflicts_with = "figures")]
+    #[arg(long, value_name = "N", value_parser = count, conflicts_with = "figures")]
     pub(crate) samples: Option<u64>,
     /// Seed of the samples. Defaults to the seed of the case.
     #[arg(long, value_name = "S", requires = "samples")]

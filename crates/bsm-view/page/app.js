@@ -224,7 +224,9 @@ for (const [kind, on] of [["dragover", true], ["dragleave", false], ["drop", fal
   document.addEventListener(kind, async (event) => {
     event.preventDefault();
     document.body.classList.toggle("drop", on);
-    if (kind === "drop" && event.dataTransfer.files[0]) read(await event.dataTransfer.files[0].text(), event.dataTransfer.files[0].name);
+    // The browser empties the list of files as soon as the event has been handled.
+    const [file] = kind === "drop" ? event.dataTransfer.files : [];
+    if (file) read(await file.text(), file.name);
   });
 if (innerWidth < 960) at("inputs-fold").open = false;
 at("about").textContent =

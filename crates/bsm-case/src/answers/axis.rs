@@ -197,7 +197,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "smallest permitted friction torque of the preload";
         preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
         screw_torque_Nm ["N m" "T"] Scalar(|w| w.torque_at_largest_load()) needs FRICTION,
-            "screw torque, including preload, seals and support bearings; on a sheet, the largest torque at the largest load during motion, positive if it acts against the load";
+            "screw torque; on a sheet, the largest torque at the largest load during motion, positive if it acts against the load; includes preload, seals and support bearings";
         screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
             "efficiency of the screw; at the largest load during motion, including preload, seals and support bearings";
         preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs FRICTION;

@@ -223,7 +223,7 @@ impl Jam {
         if case.running_angles().is_some() {
             return Err(bad(
                 InputKey::nut_running_contact_angle_deg.name(),
-                "is an input of the analysis `bsm slip`; jamming needs contact angles in equilibrium with the load",
+                "is an input of the analysis `bsm solve --show slip`; jamming needs contact angles in equilibrium with the load",
             ));
         }
         let [Some(nut), Some(screw), _] = solved.contacts else {

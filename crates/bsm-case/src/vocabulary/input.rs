@@ -249,9 +249,9 @@ inputs! {
         contact_angle_deg ["deg" "alpha"] Between(0.0, 90.0), None,
             "contact angle; 0 is radial, 90 is axial. In the elastic models, it is the angle without load";
         nut_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
-            "contact angle at the nut during motion, for `bsm slip` with model raceway-control; defaults to the angle that the model calculates";
+            "contact angle at the nut during motion, for `bsm solve --show slip` with model raceway-control; defaults to the angle that the model calculates";
         screw_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
-            "contact angle at the screw during motion, for `bsm slip` with model raceway-control; defaults to the angle that the model calculates";
+            "contact angle at the screw during motion, for `bsm solve --show slip` with model raceway-control; defaults to the angle that the model calculates";
         nut_conformity ["" "f_rn"] Above(0.5), None,
             "conformity of the nut groove; groove radius divided by ball diameter";
         screw_conformity ["" "f_rs"] Above(0.5), None,
@@ -405,7 +405,7 @@ inputs! {
     }
     "lubricant" {
         lubricant_density_kg_m3 ["kg/m3"] Above(0.0), None,
-            "density of the lubricant, at 15 C if it varies with temperature; defaults to the density of base_oil. The drag force of `bsm jam` has no default density";
+            "density of the lubricant, at 15 C if it varies with temperature; defaults to the density of base_oil. The drag force of `bsm solve --show jam` has no default density";
         drag_coefficient [""] AtLeast(0.0), None,
             "drag coefficient of a ball in the lubricant";
         iso_vg [""] OneOf(&VISCOSITY_GRADES), None,
