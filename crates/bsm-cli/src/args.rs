@@ -718,8 +718,7 @@ pub(crate) struct RunArgs {
 /// A selection of parts of a dataset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Only {
-    /// Selects every part whose number, divided by the second value, leaves the first value as the
-    /// remainder.
+    /// `K/N`: selects every part whose number modulo N is K.
     Share(u64, NonZeroU64),
     /// Selects the parts from the first number up to, but not including, the second number.
     Range(u64, u64),

@@ -110,7 +110,10 @@ mod signals {
         for file in &held.files {
             let _ = fs::remove_file(file);
         }
-        warn("error", "interrupted; unfinished files were removed (--resume continues a folder)");
+        warn(
+            "error",
+            "interrupted; incomplete files were removed (to continue a run that writes a folder, use --resume)",
+        );
         exit(128 + signal);
     }
 

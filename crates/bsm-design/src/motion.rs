@@ -766,7 +766,7 @@ mod tests {
         let found = phase.means(&drive(), None, friction).expect("friction");
         let by_hand = 0.25 * 0.9 * 500.0 * advance * 50.0;
         assert_relative_eq!(found.regenerated, by_hand, max_relative = 1e-12);
-        // The mean power of the heat is 0.1 h Ω (0.25·500 + 0.75·1500) N, where h is the travel per
+        // The mean heat output is 0.1 h Ω (0.25·500 + 0.75·1500) N, where h is the travel per
         // radian.
         assert_relative_eq!(found.heat, 0.1 * advance * 50.0 * 1250.0, max_relative = 1e-12);
         let squares = 0.25 * (0.9 * 1e3_f64).powi(2) / 3.0 + 0.75 * (1.1 * 3e3_f64).powi(2) / 3.0;

@@ -56,7 +56,7 @@ pub struct CircuitAdvance {
     pub balls: Vec<Option<BallAdvance>>,
 }
 
-/// Ball advance of a single ball.
+/// Free advance of one ball of a circuit, without forces between the balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallAdvance {
     /// Relative precession rate of the ball without push forces, `$(P - \Omega_n)/W$`.

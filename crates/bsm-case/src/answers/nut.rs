@@ -562,7 +562,7 @@ fn loaded_balls(found: &Equilibrium) -> f64 {
 /// Returns a note that states the cold and the warm preload.
 pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
     format!(
-        "The preload is set without temperature rises. It is {cold:.0} N cold, and {warm:.0} N with the temperature rises."
+        "The preload is specified for the cold nut. It is {cold:.0} N cold, and {warm:.0} N at the operating temperatures."
     )
 }
 

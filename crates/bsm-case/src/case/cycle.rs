@@ -61,7 +61,7 @@ impl Cycle {
         if with_share > 0 && with_share < entries.len() {
             return Err(bad(
                 "cycle",
-                "has entries with share and entries with a time; use the same key in all entries",
+                "has entries with `share` and entries with `time_s`; use the same key in all entries",
             ));
         }
         let mut notes = Vec::new();

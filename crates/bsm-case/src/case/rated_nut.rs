@@ -193,6 +193,6 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
 /// * `force`: assumed preload \[N\].
 pub(crate) fn assumed_preload(force: f64) -> String {
     format!(
-        "Neither a load nor a preload is given, so a double nut with a preload of {force:.0} N is assumed, which is {PRELOAD} times its dynamic load rating (D22). The rule of `axis` permits at most 0.1 times."
+        "Neither a load nor a preload is given, so a double nut with a preload of {force:.0} N is assumed, which is {PRELOAD} times its dynamic load rating (D22). `axis` permits at most 0.1 times the rating."
     )
 }

@@ -276,7 +276,7 @@ pub(crate) struct GothicArches<D> {
     far_friction: Option<D>,
 }
 
-/// Returns the problem of a model whose balls touch the grooves, with or without a lubricant.
+/// Returns the problem of a model that calculates friction in the grooves, dry or lubricated.
 pub(crate) fn in_grooves<D: Scalar>(
     at: ElasticPoint<D>,
     lubricant: Option<Lubricant<D>>,

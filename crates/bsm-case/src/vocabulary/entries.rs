@@ -82,9 +82,9 @@ entries! {
     nut_guidance: Named<Guidance>,
         "guidance of a nut perpendicular to its axis: guided (tilt and lateral displacement are prevented); free (tilt and lateral displacement follow from the loads)";
     nut_anchor: Named<End>,
-        "end of the loaded length where the force leaves the nut; without this input, the nut is rigid";
+        "end of the loaded length at which the nut transmits its load to the table; without this input, the nut is assumed to be rigid";
     screw_anchor: Named<End>,
-        "end of the loaded length where the force leaves the screw; without this input, the screw is rigid";
+        "end of the loaded length at which a bearing supports the screw; without this input, the screw is assumed to be rigid";
     screw_torsion: bool,
         "true: the torque of the balls twists the screw up to screw_anchor";
     preload_by: Named<PreloadMethod>,

@@ -307,7 +307,7 @@ inputs! {
     }
     "screw" {
         starts [""] Whole(1.0), Some(1.0),
-            "number of threads of the screw";
+            "number of starts of the screw thread";
     }
     "nut" {
         circuits_count [""] Whole(1.0), Some(1.0),
@@ -359,9 +359,9 @@ inputs! {
         guide_tilt_y_Nm_mrad ["N m/mrad"] Above(0.0), None,
             "tilting stiffness of the nut guides about y";
         nut_anchor_z_mm ["mm"] Any, None,
-            "position on the axis at which the force leaves the nut; alternative: nut_anchor";
+            "axial position at which the nut transmits its load to the table; alternative: nut_anchor";
         screw_anchor_z_mm ["mm"] Any, None,
-            "position on the axis at which the force leaves the screw; alternative: screw_anchor";
+            "axial position of the bearing that supports the screw; alternative: screw_anchor";
         nut_EA_N ["N"] Above(0.0), None,
             "product of Young's modulus and cross-sectional area of the nut; defaults to a value calculated from the diameters of the nut";
         screw_EA_N ["N"] Above(0.0), None,

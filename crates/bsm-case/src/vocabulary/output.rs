@@ -351,7 +351,7 @@ outputs! {
             "axial displacement of the nut";
         "ball precession about the axis" ["rad/s" "omega_m"] Number: ball_precession_rad_s whole = |s, _| Some(s.ball.motion.as_ref()?.precession),
             "precession, the angular velocity of the ball center about the screw axis";
-        "ball rotation along the helix t" ["rad/s"] Number: ball_omega_t_rad_s whole = |s, _| omega(s, 0),
+        "ball angular velocity about the tangent t" ["rad/s"] Number: ball_omega_t_rad_s whole = |s, _| omega(s, 0),
             "angular velocity of the ball, component along the helix";
         "ball rotation towards the axis n" ["rad/s"] Number: ball_omega_n_rad_s whole = |s, _| omega(s, 1),
             "angular velocity of the ball, component towards the axis of the screw";
@@ -363,7 +363,7 @@ outputs! {
             "skid onset number: skid number times a factor that accounts for the friction consumed by lead-induced slip. Below 0.1, the ball rolls; above 2, it is in gross skid";
         "threshold play of the third contact" ["um"] Number: threshold_play_um whole = |s, _| Some(s.ball.threshold_play? / UM),
             "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0 if friction never does";
-        "gap at the far flank (negative if pressed)" ["um"] Number: far_flank_gap_um whole = |s, _| Some(s.far_flank.as_ref()?.gap / UM),
+        "gap at the far flank (negative: interference)" ["um"] Number: far_flank_gap_um whole = |s, _| Some(s.far_flank.as_ref()?.gap / UM),
             "gap between a ball and the closer of the two far flanks at axial_play_um; a negative gap is the elastic approach of the third contact";
         "third contact load" ["N"] Number: third_contact_load_N whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.load),
             "normal load of the third contact of a ball, at the far flank of nut or screw";

@@ -215,7 +215,10 @@ fn contradictory_nut_inputs_are_rejected() {
         (json!({ "ring_expansion": 1 }), "`ring_expansion`: invalid type: integer"),
         (json!({ "nut_gidance": "free" }), "did you mean `nut_guidance`?"),
         (json!({ "nut_guidance": "loose" }), "`nut_guidance`: `loose` is not one of"),
-        (json!({ "nut_EA_N": 1e8 }), "needs the position where the force leaves: nut_anchor"),
+        (
+            json!({ "nut_EA_N": 1e8 }),
+            "needs the position at which the force is transmitted: nut_anchor",
+        ),
         (
             json!({ "nut_anchor": "low", "nut_anchor_z_mm": 3 }),
             "either nut_anchor or nut_anchor_z_mm",
@@ -485,7 +488,7 @@ fn a_preload_force_applies_to_the_cold_nut() {
         assert!((number(found, "cold_preload_N") - 2500.0).abs() < 1e-4, "{found}");
         assert!((number(found, "warm_preload_N") / expected - 1.0).abs() < 1e-7, "{found}");
         let notes = found["notes"].to_string();
-        assert!(notes.contains(&format!("2500 N cold, and {expected:.0} N with")), "{notes}");
+        assert!(notes.contains(&format!("2500 N cold, and {expected:.0} N at")), "{notes}");
     }
     assert!((number(&o, "preload_setting_um") + 11.784_697).abs() < 1e-5, "{o}");
     assert!((number(&x, "preload_setting_um") - 11.784_697).abs() < 1e-5, "{x}");
@@ -547,7 +550,9 @@ fn nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
     }
     assert_eq!(nut["limit_load_N"], sheet["results"]["limit_load_N"]);
     assert!(
-        sheet["notes"].to_string().contains("2500 N cold, and 4111 N with the temperature rises"),
+        sheet["notes"]
+            .to_string()
+            .contains("2500 N cold, and 4111 N at the operating temperatures"),
         "{sheet}"
     );
     let life = number(&sheet["results"], "cycle_life_revolutions");

@@ -111,7 +111,7 @@ pub(super) struct HalfNode<S: Simd> {
     /// line.
     pub(super) s: Lane<S>,
     pub(super) pressure: Lane<S>,
-    /// Fraction of the load of the line that the node represents.
+    /// Fraction of the line load that is assigned to this node.
     pub(super) weight: Lane<S>,
 }
 

@@ -59,7 +59,7 @@ fn at_speed(branch: &WarmBranch, curves: &[Curve]) -> Curve {
 pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
     let caption = match branch.fold() {
         Some(fold) => format!(
-            "Dashed lines are unstable states. Above {:.0} rpm, no steady state exists; the case has {:.0} rpm.",
+            "Dashed lines show unstable states. Above {:.0} rpm, no steady state exists; the speed of this case is {:.0} rpm.",
             fold.speed_rpm, branch.speed_rpm
         ),
         None => format!("The case has {:.0} rpm.", branch.speed_rpm),

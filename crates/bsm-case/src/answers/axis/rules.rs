@@ -345,12 +345,12 @@ rules! {
         "rating of the bearing manufacturer, cold and warm (BB7)",
         match (of.balanced_pretension(), of.number(output!(screw_tension_N))) {
             (Some(kelvin), _) => format!(
-                "larger bearings, one bearing that permits the growth of the screw, or pretension_K {}, with which cold tension and \
+                "larger bearings, a floating bearing, or pretension_K {}, with which cold tension and \
                  warm compression are equal",
                 at_most(kelvin, 1)
             ),
             (None, Some(warm)) if warm < 0.0 => {
-                "larger bearings, or one bearing that permits the growth of the screw".to_owned()
+                "larger bearings, or a floating bearing, so that the screw can expand".to_owned()
             }
             _ => "larger bearings, or less pretension".to_owned(),
         };

@@ -58,8 +58,10 @@ fn bar(
         (Some(Named(end)), None) => at(end),
         (None, Some(z)) => z * MM,
         (None, None) if case[stiffness].is_some() => {
-            let what =
-                format!("needs the position where the force leaves: {word} or {}", place.name());
+            let what = format!(
+                "needs the position at which the force is transmitted: {word} or {}",
+                place.name()
+            );
             return Err(bad(stiffness.name(), what));
         }
         (None, None) => return Ok(None),

@@ -75,9 +75,9 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
         let (steps, residual) = (count_of(swept.count), swept.residual);
         return Ok(BallRoot { motion: swept.motion, steps, residual, alternatives });
     }
-    // If the sweeps converge to an inadmissible motion, this motion is the point of the branch at
-    // the actual inertia. The same applies to a stationary inadmissible motion, provided that a
-    // second root is excluded.
+    // If the sweeps converge to an inadmissible motion, the branch is inadmissible at the actual
+    // inertia. If a second root is excluded, this also holds for an inadmissible motion that the
+    // sweeps leave unchanged.
     if swept.converged || (swept.stationary && first.is_unique) {
         let reason = inadmissible(&swept);
         return Err(unless_it_exists(ball, &first, NoAnswer::none(Evidence::Bound, reason)));
