@@ -4,12 +4,14 @@ use std::collections::HashSet;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "xlsx")]
+use bsm_batch::Cell;
 #[cfg(feature = "parquet")]
 use bsm_batch::dataset::{self, Dataset, Event, Plan, RunOptions};
 use bsm_batch::dataset::{DatasetError, PartDefect, Points, sha256};
 use bsm_batch::{
-    AnswerSink, Answers, Cell, Chunk, ColumnUnits, ConvertingSink, Count, CsvSource, Format,
-    RunError, Source, TableError, TableFormat, TableHead, TableSink, Task, Workers,
+    AnswerSink, Answers, Chunk, ColumnUnits, ConvertingSink, Count, CsvSource, Format, RunError,
+    Source, TableError, TableFormat, TableHead, TableSink, Task, Workers,
 };
 use bsm_case::{
     ColumnValues, DisplayUnits, Grid, GridAxis, ModelChoice, Output, ShownColumn, exact,
@@ -464,6 +466,10 @@ fn made_from(about: &Value) -> Value {
 pub(crate) type NumberRow = (&'static str, &'static str, f64);
 
 /// Writes a table with one row per quantity. The columns are name, unit and value.
+#[cfg_attr(
+    not(feature = "xlsx"),
+    expect(unused_variables, reason = "only workbooks contain the description of their origin")
+)]
 pub(crate) fn write_rows(
     path: &Path,
     rows: &[NumberRow],
