@@ -39,8 +39,9 @@ pub use self::part::Part;
 pub use self::plan::{Estimate, MAX_PARTS, Plan, RESULTS};
 pub use self::points::{Points, sha256};
 
+use self::error::kind;
 use self::folder::{Folder, complete};
-use self::part::{HashingWriter, kind, list_parts, verify, write_footer};
+use self::part::{HashingWriter, list_parts, verify, write_footer};
 use crate::table::MemorySink;
 use crate::{
     Answers, Chunk, Count, Format, RunError, Source, TableError, TableFormat, TableSink, Task,

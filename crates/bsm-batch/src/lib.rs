@@ -43,6 +43,9 @@ mod column_plan;
 mod columns;
 #[cfg(feature = "parquet")]
 pub mod dataset;
+#[cfg(not(feature = "parquet"))]
+#[path = "dataset/without_parts.rs"]
+pub mod dataset;
 mod draws;
 mod error;
 #[cfg(feature = "parquet")]

@@ -60,6 +60,9 @@ impl OutArgs {
         endings: &[&'static str],
         inputs: InputFiles,
     ) -> Result<Destination<'_>, Failure> {
+        if self.figures.is_some() && cfg!(not(feature = "plot")) {
+            return Err(Failure::not_built("plot"));
+        }
         for path in &self.output {
             if !is_stdout(path) || !endings.contains(&"csv") {
                 ending_of("-o", path, endings)?;
@@ -143,7 +146,7 @@ impl Reply<'_> {
                 Some(form @ ("svg" | "png")) => {
                     let Some(figure) = drawn.figures.first() else { continue };
                     let bytes =
-                        if form == "png" { figure.png()? } else { figure.svg().into_bytes() };
+                        if form == "png" { figure.png()? } else { figure.svg()?.into_bytes() };
                     write_bytes(files::Output::create(path)?, path, &bytes)?;
                 }
                 _ => {

@@ -100,18 +100,34 @@ pub(crate) enum Command {
     /// --columns efficiency -o -
     Sweep(SweepArgs),
     /// Solve or check the parts of a folder whose plan was written by `bsm sweep -o DIR/ --plan`.
+    #[cfg(feature = "parquet")]
     #[command(subcommand)]
     Parts(PartsCommand),
+    #[cfg(not(feature = "parquet"))]
+    #[command(hide = true)]
+    Parts(NotBuilt),
     /// Find the friction coefficient or another input from a measured torque or another output.
     /// Example: bsm fit examples/feed_drive.json --measured screw_torque_Nm=26
     Fit(FitArgs),
     /// Show a screw in the browser, with graphics and results that are updated after every change.
     /// Example: bsm view examples/feed_drive.json --open
+    #[cfg(feature = "view")]
     View(ViewArgs),
+    #[cfg(not(feature = "view"))]
+    #[command(hide = true)]
+    View(NotBuilt),
     /// Check the program against published results.
+    #[cfg(feature = "validate")]
     Validate(ValidateArgs),
+    #[cfg(not(feature = "validate"))]
+    #[command(hide = true)]
+    Validate(NotBuilt),
     /// Measure time and accuracy of every model and setting on this machine.
+    #[cfg(feature = "validate")]
     Tradeoff(TradeoffArgs),
+    #[cfg(not(feature = "validate"))]
+    #[command(hide = true)]
+    Tradeoff(NotBuilt),
     /// Print the JSON Schema of cases (`input`), of results of a point (`output`), or of the --json
     /// output of a command. `units` prints the units of each quantity. Without a name, print all
     /// names.
@@ -122,6 +138,16 @@ pub(crate) enum Command {
     },
 }
 
+/// Arguments of a command whose feature this program was built without. They are ignored.
+#[cfg(not(all(feature = "parquet", feature = "validate", feature = "view")))]
+#[derive(Debug, Args)]
+#[command(disable_help_flag = true)]
+pub(crate) struct NotBuilt {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    arguments: Vec<std::ffi::OsString>,
+}
+
+#[cfg(feature = "parquet")]
 #[derive(Debug, Subcommand)]
 pub(crate) enum PartsCommand {
     /// Solve parts. Any number of processes on any machine may run, in any order and repeatedly;
@@ -404,6 +430,7 @@ pub(crate) struct SolveArgs {
     pub(crate) out: OutArgs,
 }
 
+#[cfg(feature = "view")]
 #[derive(Debug, Args)]
 pub(crate) struct ViewArgs {
     #[command(flatten)]
@@ -774,6 +801,7 @@ pub(crate) struct FitArgs {
     pub(crate) out: OutArgs,
 }
 
+#[cfg(feature = "validate")]
 #[derive(Debug, Args)]
 pub(crate) struct ValidateArgs {
     /// Run only the checks whose key contains KEY.
@@ -787,6 +815,7 @@ pub(crate) struct ValidateArgs {
     pub(crate) out: OutArgs,
 }
 
+#[cfg(feature = "validate")]
 #[derive(Debug, Args)]
 pub(crate) struct TradeoffArgs {
     /// Table of operating points (see `bsm sweep`) with all inputs of traction. Defaults to 300

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use bsm_batch::TableError;
 use bsm_case::{CaseError, InputSet, Known, OtherSeparator, brief, printable};
 use bsm_report::ReportError;
+#[cfg(feature = "validate")]
 use bsm_validate::ValidateError;
 use thiserror::Error;
 
@@ -87,6 +88,11 @@ impl Failure {
             "cannot start a thread: {error}; raise the limits of processes and memory (ulimit -u, \
              ulimit -v), or use --threads 1"
         ))
+    }
+
+    /// Reports that this program was built without the feature that the command or the file needs.
+    pub(crate) fn not_built(feature: &str) -> Self {
+        Self::Input(format!("this program was built without `{feature}`"))
     }
 
     /// Prints the failure to standard error and returns the exit code.
@@ -176,6 +182,7 @@ impl From<ReportError> for Failure {
     }
 }
 
+#[cfg(feature = "validate")]
 impl From<ValidateError> for Failure {
     fn from(error: ValidateError) -> Self {
         match error {

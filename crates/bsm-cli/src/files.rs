@@ -89,6 +89,19 @@ pub(crate) fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
+/// Returns the feature that a file with the given extension needs, if this program was built without
+/// the feature.
+fn missing_feature(ending: &str) -> Option<&'static str> {
+    match ending {
+        "parquet" if cfg!(not(feature = "parquet")) => Some("parquet"),
+        "xlsx" if cfg!(not(feature = "xlsx")) => Some("xlsx"),
+        "html" | "svg" | "png" | "map.svg" | "map.png" if cfg!(not(feature = "plot")) => {
+            Some("plot")
+        }
+        _ => None,
+    }
+}
+
 /// Returns the longest of the given extensions that matches the file name, ignoring case.
 pub(crate) fn ending_of(
     option: &str,
@@ -96,12 +109,15 @@ pub(crate) fn ending_of(
     endings: &[&'static str],
 ) -> Result<&'static str, Failure> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let known = || endings.iter().filter(|e| cfg!(feature = "xlsx") || **e != "xlsx");
     let is_its = |ending: &&&str| {
         name.strip_suffix(**ending).is_some_and(|rest| rest.len() > 1 && rest.ends_with('.'))
     };
-    known().filter(is_its).max_by_key(|ending| ending.len()).copied().ok_or_else(|| {
-        let known: Vec<_> = known().map(|ending| format!(".{ending}")).collect();
+    let found = endings.iter().filter(is_its).max_by_key(|ending| ending.len());
+    if let Some(feature) = found.and_then(|ending| missing_feature(ending)) {
+        return Err(Failure::not_built(feature));
+    }
+    found.copied().ok_or_else(|| {
+        let known: Vec<_> = endings.iter().map(|ending| format!(".{ending}")).collect();
         let (last, others) = known.split_last().expect("an ending");
         let or =
             if others.is_empty() { String::new() } else { format!("{} or ", others.join(", ")) };

@@ -10,6 +10,7 @@ mod fit;
 mod lookup;
 mod nut;
 mod nuts;
+#[cfg(feature = "parquet")]
 mod parts;
 mod pictures;
 mod progress;
@@ -20,9 +21,12 @@ mod sweep;
 mod table;
 mod table_job;
 mod threads;
+#[cfg(feature = "validate")]
 mod tradeoff;
 mod unfinished;
+#[cfg(feature = "validate")]
 mod validate;
+#[cfg(feature = "view")]
 mod view;
 #[cfg(feature = "xlsx")]
 mod workbook;
@@ -34,7 +38,9 @@ use bsm_batch::silence_caught_panics;
 use clap::FromArgMatches;
 use clap_complete::CompleteEnv;
 
-use crate::args::{Cli, Command, PartsCommand};
+#[cfg(feature = "parquet")]
+use crate::args::PartsCommand;
+use crate::args::{Cli, Command};
 use crate::failure::Failure;
 use crate::threads::on_threads;
 
@@ -65,16 +71,27 @@ fn main() -> ExitCode {
         Command::Sweep(args) => {
             on_threads(args.work.threads.or(threads), |workers| sweep::run(&args, workers))
         }
+        #[cfg(feature = "parquet")]
         Command::Parts(PartsCommand::Run(args)) => {
             on_threads(args.work.threads.or(threads), |workers| parts::run(&args, workers))
         }
+        #[cfg(feature = "parquet")]
         Command::Parts(PartsCommand::Check(args)) => {
             on_threads(threads, |workers| parts::check(&args, workers))
         }
         Command::Fit(args) => fit::run(&args),
+        #[cfg(feature = "view")]
         Command::View(args) => on_threads(threads, |_| view::run(&args)),
+        #[cfg(feature = "validate")]
         Command::Validate(args) => on_threads(threads, |_| validate::run(&args)),
+        #[cfg(feature = "validate")]
         Command::Tradeoff(args) => on_threads(threads, |_| tradeoff::run(&args)),
+        #[cfg(not(feature = "parquet"))]
+        Command::Parts(_) => Err(Failure::not_built("parquet")),
+        #[cfg(not(feature = "validate"))]
+        Command::Validate(_) | Command::Tradeoff(_) => Err(Failure::not_built("validate")),
+        #[cfg(not(feature = "view"))]
+        Command::View(_) => Err(Failure::not_built("view")),
         Command::Schema { name } => schema::run(name.as_deref()),
     };
     match result {

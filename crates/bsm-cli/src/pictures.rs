@@ -141,7 +141,7 @@ impl Picture for Curves {
         }
         let y = Axis::linear(&label_of(output, &units));
         let figure = Figure::new(["", &title, ""], [x, y], curves);
-        if is_png { figure.png() } else { Ok(figure.svg().into_bytes()) }
+        if is_png { figure.png() } else { figure.svg().map(String::into_bytes) }
     }
 }
 
@@ -232,6 +232,6 @@ impl Picture for Cells {
             regions,
             names: models.into_iter().map(str::to_owned).collect(),
         };
-        if is_png { map.png() } else { Ok(map.svg().into_bytes()) }
+        if is_png { map.png() } else { map.svg().map(String::into_bytes) }
     }
 }

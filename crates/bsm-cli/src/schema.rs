@@ -1,12 +1,16 @@
 //! `bsm schema`: JSON Schemas of files and answers, and the units that input names may have. The
 //! schemas are derived from the same tables as the answers.
 
+#[cfg(feature = "validate")]
+use bsm_case::derived_schema;
 use bsm_case::units::units_by_quantity;
 use bsm_case::{
-    AnalysisKind, CATALOG, Column, INPUTS, OUTPUTS, Scope, TABLES, derived_schema, input_schema,
-    output_schema, sheet_columns,
+    AnalysisKind, CATALOG, Column, INPUTS, OUTPUTS, Scope, TABLES, input_schema, output_schema,
+    sheet_columns,
 };
+#[cfg(feature = "validate")]
 use bsm_validate::{Check, tradeoff::Tradeoff};
+#[cfg(feature = "validate")]
 use schemars::generate::Contract;
 use serde_json::{Map, Value, json};
 
@@ -20,7 +24,7 @@ use crate::files::{pretty_json, print};
 /// [`Answer`](bsm_case::Answer). Only two answers have a different structure: the answer of `fit`
 /// has a member for each input that the user chose, and the vectors of `nut` have the names used in
 /// the published comparison cases (`validation/published/nut/public.json`).
-const ANSWERS: [(&str, &str, &str); 14] = [
+const ANSWERS: &[(&str, &str, &str)] = &[
     (
         "solve",
         "solve",
@@ -95,7 +99,9 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "plan string, parts integer, finished integer, complete boolean, deep boolean, missing texts, damaged [damage], \
          foreign texts, rows integer, failed integer, several integer, @said",
     ),
+    #[cfg(feature = "validate")]
     ("validate", "validate", "program string, passed boolean, checks [check], @said"),
+    #[cfg(feature = "validate")]
     ("tradeoff", "tradeoff", "program string, tradeoff measurement, @said"),
 ];
 
@@ -124,7 +130,7 @@ const OBJECTS: [(&str, &str); 8] = [
 
 /// Returns the names of all schemas.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
-    ["input", "output", "units"].into_iter().chain(ANSWERS.into_iter().map(|(name, ..)| name))
+    ["input", "output", "units"].into_iter().chain(ANSWERS.iter().map(|(name, ..)| *name))
 }
 
 pub(crate) fn run(name: Option<&str>) -> Result<(), Failure> {
@@ -145,8 +151,7 @@ fn units() -> Value {
 
 /// Returns the JSON Schema for the answer of a command.
 fn answer(name: &str) -> Value {
-    let (_, command, shapes) =
-        ANSWERS.into_iter().find(|(own, ..)| *own == name).unwrap_or(ANSWERS[0]);
+    let (_, command, shapes) = ANSWERS.iter().find(|(own, ..)| *own == name).unwrap_or(&ANSWERS[0]);
     let mut schema = Map::new();
     schema.insert("$schema".to_owned(), input_schema()["$schema"].clone());
     schema.insert("title".to_owned(), json!(format!("result of bsm {command}")));
@@ -241,7 +246,9 @@ fn numbers(table: &str) -> Vec<(String, Value)> {
         "said" => ["notes", "warnings"].map(|name| (name.to_owned(), kind("texts"))).to_vec(),
         "output" => entries(&all["properties"]),
         "case" => entries(&input_schema()["properties"]),
+        #[cfg(feature = "validate")]
         "check" => entries(&derived_schema::<Check>(Contract::Serialize)),
+        #[cfg(feature = "validate")]
         "measurement" => entries(&derived_schema::<Tradeoff>(Contract::Serialize)),
         "solution" => each(&mut OUTPUTS.iter().map(|output| output.name), "number"),
         "input" => each(&mut INPUTS.iter().map(|input| input.name), "number?"),

@@ -4,26 +4,31 @@ use std::collections::HashSet;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use bsm_batch::dataset::{
-    self, Dataset, DatasetError, Event, PartDefect, Plan, Points, RunOptions, sha256,
-};
+#[cfg(feature = "xlsx")]
+use bsm_batch::Cell;
+#[cfg(feature = "parquet")]
+use bsm_batch::dataset::{self, Dataset, Event, Plan, RunOptions};
+use bsm_batch::dataset::{DatasetError, PartDefect, Points, sha256};
 use bsm_batch::{
-    AnswerSink, Answers, Cell, Chunk, ColumnUnits, ConvertingSink, Count, CsvSource, Format,
-    RunError, Source, TableError, TableFormat, TableHead, TableSink, Task, Workers,
+    AnswerSink, Answers, Chunk, ColumnUnits, ConvertingSink, Count, CsvSource, Format, RunError,
+    Source, TableError, TableFormat, TableHead, TableSink, Task, Workers,
 };
 use bsm_case::{
     Axis, ColumnValues, DisplayUnits, Grid, ModelChoice, Output as Column, ShownColumn, exact,
 };
 use bsm_dyn::Status;
 use bsm_report::PROGRAM;
+#[cfg(feature = "parquet")]
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
 use crate::args::SweepArgs;
 use crate::failure::{Failure, of_table, warn};
 use crate::files::{self, Output, ending_of, is_stdout, pretty_json};
+#[cfg(feature = "parquet")]
 use crate::parts::print_plan;
 use crate::progress::progress;
+#[cfg(feature = "parquet")]
 use crate::unfinished;
 #[cfg(feature = "xlsx")]
 use crate::workbook::{self, Workbook};
@@ -186,8 +191,27 @@ impl Job<'_> {
         Ok(count)
     }
 
+    /// Refuses to write a folder of parts.
+    #[cfg(not(feature = "parquet"))]
+    fn plan(&self, _: &Path, _: &Points, _: &Workers<'_>) -> Result<(), Failure> {
+        Err(Failure::not_built("parquet"))
+    }
+
+    /// Refuses to write a folder of parts.
+    #[cfg(not(feature = "parquet"))]
+    fn fill_folder(
+        &self,
+        _: &Path,
+        _: &Points,
+        _: &Workers<'_>,
+        _: &mut dyn FnMut(&Chunk, &Answers),
+    ) -> Result<Count, Failure> {
+        Err(Failure::not_built("parquet"))
+    }
+
     /// Creates the dataset folder or checks that it has the same plan, and prints the estimated
     /// cost.
+    #[cfg(feature = "parquet")]
     fn plan(&self, folder: &Path, points: &Points, workers: &Workers<'_>) -> Result<(), Failure> {
         let plan = Plan::new(&self.task, points, self.args.rows_per_part, workers);
         let begun =
@@ -195,6 +219,7 @@ impl Job<'_> {
         print_plan(folder, begun.map_err(|error| failed(folder, error))?.plan())
     }
 
+    #[cfg(feature = "parquet")]
     fn fill_folder(
         &self,
         folder: &Path,
@@ -441,6 +466,10 @@ fn made_from(about: &Value) -> Value {
 pub(crate) type NumberRow = (&'static str, &'static str, f64);
 
 /// Writes a table with one row per quantity. The columns are name, unit and value.
+#[cfg_attr(
+    not(feature = "xlsx"),
+    expect(unused_variables, reason = "only workbooks contain the description of their origin")
+)]
 pub(crate) fn write_rows(
     path: &Path,
     rows: &[NumberRow],

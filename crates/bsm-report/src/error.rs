@@ -10,6 +10,9 @@ pub enum ReportError {
     /// An image cannot be drawn.
     #[error("picture: {0}")]
     Picture(String),
+    /// The program was built without the feature that draws pictures.
+    #[error("this program was built without `plot`")]
+    NotBuilt,
     /// A page cannot be created.
     #[error("page: {0}")]
     Page(#[from] minijinja::Error),

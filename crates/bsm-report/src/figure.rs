@@ -2,127 +2,18 @@
 
 use std::sync::Arc;
 
-use bsm_case::{DisplayUnits, exact};
 use kuva::backend::svg::SvgBackend;
 use kuva::prelude::*;
 use kuva::render::color::Color;
 use kuva::render::layout::TickFormat;
 use kuva::render::render::{PathData, Primitive, Scene as Drawing, render_multiple};
-use serde::Deserialize;
 
 use crate::map::png_of;
-use crate::{ReportError, number};
-
-/// Maximum number of curves, which is the number of colors in the palette. Readers with color
-/// blindness can distinguish these colors.
-pub const MAX_CURVES: usize = 7;
-
-/// Line or mark style of a curve.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Stroke {
-    /// A solid line.
-    Solid,
-    /// A dashed line.
-    Dashed,
-    /// A dotted line.
-    Dotted,
-    /// Circles at the points, without a line.
-    Circles,
-    /// Triangles at the points, without a line.
-    Triangles,
-}
+use crate::{Axis, Curve, Figure, ReportError, Stroke, number};
 
 impl Stroke {
     fn is_line(self) -> bool {
         matches!(self, Self::Solid | Self::Dashed | Self::Dotted)
-    }
-}
-
-/// One curve of a figure. Points whose y value is NaN or infinite leave a gap.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
-    /// Label of the curve in the legend.
-    pub label: Option<String>,
-    /// Index of the color in the palette.
-    pub color: usize,
-    /// Line or mark style.
-    pub stroke: Stroke,
-    /// Points (x, y) in the units of the axes.
-    pub points: Vec<(f64, f64)>,
-    /// Names of the points, which are drawn next to their marks. The list is empty or has one name
-    /// for each point.
-    pub marks: Vec<String>,
-}
-
-impl Curve {
-    /// Returns a curve with a label but without point names.
-    pub fn new(
-        label: impl Into<String>,
-        color: usize,
-        stroke: Stroke,
-        points: Vec<(f64, f64)>,
-    ) -> Self {
-        Self { label: Some(label.into()), color, stroke, points, marks: Vec::new() }
-    }
-}
-
-/// An axis of a figure.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
-    /// Quantity and unit, separated by a comma.
-    pub label: String,
-    /// True for a logarithmic axis.
-    pub log: bool,
-    /// True if both axes must have the same scale, as in a drawing.
-    pub equal: bool,
-}
-
-impl Axis {
-    /// Returns a linear axis.
-    pub fn linear(label: &str) -> Self {
-        Self { label: label.to_owned(), log: false, equal: false }
-    }
-
-    /// Returns an axis for a drawing, in which both axes have the same scale.
-    pub fn equal(label: &str) -> Self {
-        Self { equal: true, ..Self::linear(label) }
-    }
-
-    /// Returns a logarithmic axis.
-    pub fn log(label: &str) -> Self {
-        Self { label: label.to_owned(), log: true, equal: false }
-    }
-}
-
-/// A figure that consists of curves over a common x axis.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Figure {
-    /// File name of this figure, without extension.
-    pub key: String,
-    /// Title of the figure.
-    pub title: String,
-    /// Caption of the figure.
-    pub caption: String,
-    /// Horizontal axis.
-    pub x: Axis,
-    /// Vertical axis.
-    pub y: Axis,
-    /// The curves, in the order of the legend.
-    pub curves: Vec<Curve>,
-}
-
-impl Figure {
-    /// Returns the figure with both axes in displayed units. The unit of an axis stands behind the last comma of its label.
-    #[must_use]
-    pub fn in_units(mut self, units: DisplayUnits) -> Self {
-        let (x, x_unit) = units.label(&self.x.label);
-        let (y, y_unit) = units.label(&self.y.label);
-        (self.x.label, self.y.label) = (x, y);
-        for point in self.curves.iter_mut().flat_map(|curve| &mut curve.points) {
-            *point = (x_unit.value(point.0), y_unit.value(point.1));
-        }
-        self
     }
 }
 
@@ -166,15 +57,13 @@ const GRAY: &str = "#777777";
 const BEYOND: f64 = 1.4;
 
 impl Figure {
-    /// Creates a figure from key, title, caption, axes and curves.
-    pub fn new([key, title, caption]: [&str; 3], [x, y]: [Axis; 2], curves: Vec<Curve>) -> Self {
-        let [key, title, caption] = [key, title, caption].map(str::to_owned);
-        Self { key, title, caption, x, y, curves }
-    }
-
     /// Returns the figure as an SVG file.
-    pub fn svg(&self) -> String {
-        svg_of(&self.titled())
+    ///
+    /// # Errors
+    ///
+    /// [`ReportError::NotBuilt`] if the program was built without the feature `plot`.
+    pub fn svg(&self) -> Result<String, ReportError> {
+        Ok(svg_of(&self.titled()))
     }
 
     /// Returns the figure as a PNG file.
@@ -200,11 +89,15 @@ impl Figure {
     /// Returns the figure as SVG for an HTML page that shows the title itself and may contain
     /// several figures. The values of a point appear when the pointer is on it; no script is
     /// needed.
-    pub fn inline_svg(&self) -> String {
+    ///
+    /// # Errors
+    ///
+    /// [`ReportError::NotBuilt`] if the program was built without the feature `plot`.
+    pub fn inline_svg(&self) -> Result<String, ReportError> {
         let plots = self.curves.iter().map(|curve| self.plot_of(curve)).collect();
         let svg = svg_of(&self.drawing(plots, Layout::with_height));
         // Ids in an inline SVG apply to the whole page, so they must be unique.
-        svg.replace("kuva-clip-", &format!("{}-clip-", self.key))
+        Ok(svg.replace("kuva-clip-", &format!("{}-clip-", self.key)))
     }
 
     /// Returns invisible points on a curve that show their values when the pointer is on them.
@@ -319,31 +212,6 @@ impl Figure {
         let holds = self.curves.len() > FEW && fewer && by_strokes && by_colors;
         holds.then_some((strokes, colors))
     }
-
-    /// Returns the points as CSV, with one row for each point. In a gap, y is empty.
-    ///
-    /// # Errors
-    ///
-    /// [`ReportError::Table`] if the table cannot be written.
-    pub fn csv(&self) -> Result<String, ReportError> {
-        let mut table = csv::Writer::from_writer(Vec::new());
-        table.write_record(["curve", "mark", &self.x.label, &self.y.label])?;
-        for curve in &self.curves {
-            let label = curve.label.as_deref().unwrap_or_default();
-            for (i, (x, y)) in curve.points.iter().enumerate() {
-                let mark = curve.marks.get(i).map_or("", String::as_str);
-                let y = if y.is_finite() { exact(*y) } else { String::new() };
-                table.write_record([label, mark, &exact(*x), &y])?;
-            }
-        }
-        text_of_table(table)
-    }
-}
-
-/// Returns the contents of a CSV writer as text.
-pub(crate) fn text_of_table(table: csv::Writer<Vec<u8>>) -> Result<String, ReportError> {
-    let bytes = table.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// Converts a drawing to SVG.
@@ -593,10 +461,10 @@ mod tests {
         };
         let mut figure = figure_of(vec![curve(0, Stroke::Solid), curve(1, Stroke::Dashed)]);
         assert_eq!(figure.shapes(), []);
-        let plain = figure.svg().matches("<rect").count();
+        let plain = figure.svg().expect("a picture").matches("<rect").count();
         figure.curves.push(curve(2, Stroke::Solid));
         assert_eq!(figure.shapes(), [(2, MarkerShape::Square)]);
-        let svg = figure.svg();
+        let svg = figure.svg().expect("a picture");
         assert_eq!(svg.matches("<rect").count() - plain, SHAPES_OF_LINE, "{svg}");
         assert_eq!(svg.matches(" v7 h-7 Z").count(), 1, "{svg}");
         // The curves of a drawing can be distinguished by their position.
@@ -611,15 +479,20 @@ mod tests {
         let curve = Curve::new("a", 0, Stroke::Solid, points);
         let mut figure = figure_of(vec![curve]);
         figure.y = Axis::log("y, N");
-        let svg = figure.svg();
+        let svg = figure.svg().expect("a picture");
         assert!(svg.contains("viewBox=\"0 0 460 "), "{}", &svg[..300]);
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");
         // Regression test: the SVG text of a figure depended on figures that were drawn before.
-        assert_eq!(figure.svg(), svg);
+        assert_eq!(figure.svg().expect("a picture"), svg);
         // On a page, each point except the gap must show its values; in an SVG file, no point does.
         let titles = |svg: &str| svg.matches("<title>").count();
-        assert_eq!((titles(&svg), titles(&figure.inline_svg())), (0, 4));
-        assert!(figure.inline_svg().contains("<title>a\nx, mm: 4.0000\ny, N: 2.0000</title>"));
+        assert_eq!((titles(&svg), titles(&figure.inline_svg().expect("a picture"))), (0, 4));
+        assert!(
+            figure
+                .inline_svg()
+                .expect("a picture")
+                .contains("<title>a\nx, mm: 4.0000\ny, N: 2.0000</title>")
+        );
         assert!(figure.csv().expect("a table").contains("\na,,3,\na,,4,2\n"));
     }
 }

@@ -2,14 +2,18 @@
 
 mod dxf;
 mod error;
+#[cfg(feature = "plot")]
 mod figure;
+#[cfg(feature = "plot")]
 mod map;
 mod page;
+mod plots;
 pub mod sheets;
+#[cfg(not(feature = "plot"))]
+mod undrawn;
 
 pub use bsm_case::{number, short};
 pub use dxf::groove_dxf;
 pub use error::ReportError;
-pub use figure::{Axis, Curve, Figure, MAX_CURVES, Stroke};
-pub use map::{MAX_CELLS, Map};
 pub use page::{PROGRAM, Page, STYLE, figure_files, report_files};
+pub use plots::{Axis, Curve, Figure, MAX_CELLS, MAX_CURVES, Map, Stroke};

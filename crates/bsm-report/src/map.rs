@@ -7,14 +7,10 @@ use kuva::prelude::*;
 use kuva::render::render::{PathData, Primitive, Scene as Drawing, render_multiple};
 
 use crate::figure::{svg_of, with_axes};
-use crate::{Axis, ReportError};
+use crate::{Map, ReportError};
 
 /// Width and height of a map with its legend \[px\].
 const SIZE: (f64, f64) = (640.0, 400.0);
-
-/// Maximum number of values per axis that are drawn. With more values, cells would be smaller than
-/// a pixel.
-pub const MAX_CELLS: usize = 400;
 
 /// Approximate number of color bands.
 const BANDS: f64 = 9.0;
@@ -33,30 +29,14 @@ const NOTHING: &str = "#c8c8c8";
 /// Number of PNG pixels per SVG pixel. This resolution is sufficient for printing.
 const PNG_SCALE: f32 = 2.0;
 
-/// A map of a quantity as a function of two other quantities.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Map {
-    /// Title of the map.
-    pub title: String,
-    /// Horizontal axis and its values.
-    pub x: (Axis, Vec<f64>),
-    /// Vertical axis and its values.
-    pub y: (Axis, Vec<f64>),
-    /// Label of the quantity that the colors show.
-    pub label: String,
-    /// Value of each cell; NaN for a cell without a value. Cells with the same x are consecutive.
-    pub values: Vec<f64>,
-    /// Region of each cell, as an index into `names`. Lines are drawn at the boundaries between
-    /// regions.
-    pub regions: Vec<usize>,
-    /// Names of the regions.
-    pub names: Vec<String>,
-}
-
 impl Map {
     /// Returns the map as an SVG file.
-    pub fn svg(&self) -> String {
-        svg_of(&self.drawing())
+    ///
+    /// # Errors
+    ///
+    /// [`ReportError::NotBuilt`] if the program was built without the feature `plot`.
+    pub fn svg(&self) -> Result<String, ReportError> {
+        Ok(svg_of(&self.drawing()))
     }
 
     /// Returns the map as a PNG file.
@@ -333,6 +313,7 @@ fn round(value: f64, step: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Axis;
 
     /// Returns a map with a logarithmic x axis, one cell without a value, and two regions.
     fn map() -> Map {
@@ -372,7 +353,7 @@ mod tests {
         // cell without a value has no boundaries.
         let lines = map.boundary(&edges);
         assert_eq!(lines.len(), 3, "{lines:?}");
-        let svg = map.svg();
+        let svg = map.svg().expect("a picture");
         for part in
             ["no result", "a / b", "z, W", "1 to 1.25", "3 to 3.25", "stroke-dasharray=\"5 3\""]
         {

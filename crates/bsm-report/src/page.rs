@@ -38,9 +38,12 @@ impl Page<'_> {
     ///
     /// [`ReportError::Page`] if the template is invalid or uses an unknown name.
     pub fn html(&self, content: &impl Serialize) -> Result<String, ReportError> {
-        let figure =
-            |f: &Figure| context! { title => f.title, caption => f.caption, svg => f.inline_svg() };
-        let figures: Vec<_> = self.figures.iter().map(figure).collect();
+        let figure = |f: &Figure| {
+            let svg = f.inline_svg()?;
+            Ok(context! { title => f.title, caption => f.caption, svg => svg })
+        };
+        let figures: Vec<_> =
+            self.figures.iter().map(figure).collect::<Result<_, ReportError>>()?;
         let context = context! {
             title => self.title,
             command => self.command,
@@ -110,7 +113,7 @@ pub fn figure_files(
 ) -> Result<Vec<(String, String)>, ReportError> {
     let mut files = Vec::new();
     for figure in figures {
-        files.push((format!("{folder}{}.svg", figure.key), figure.svg()));
+        files.push((format!("{folder}{}.svg", figure.key), figure.svg()?));
         files.push((format!("{folder}{}.csv", figure.key), figure.csv()?));
     }
     Ok(files)

@@ -1,5 +1,6 @@
 //! Errors of dataset folders.
 
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -108,4 +109,15 @@ fn first_few(damaged: &[(PathBuf, PartDefect)]) -> String {
     let shown = damaged.iter().take(SHOWN).map(|(path, why)| format!("{} {why}", path.display()));
     let more = damaged.len().checked_sub(SHOWN).filter(|more| *more > 0);
     shown.chain(more.map(|more| format!("and {more} more"))).collect::<Vec<_>>().join("; ")
+}
+
+/// Returns a description of an entry that is not a file, such as "a folder".
+pub(super) fn kind(found: &fs::Metadata) -> &'static str {
+    if found.is_dir() {
+        "a folder"
+    } else if found.is_symlink() {
+        "a link"
+    } else {
+        "a pipe or a device"
+    }
 }

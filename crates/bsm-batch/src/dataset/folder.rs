@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use super::DatasetError;
-use super::part::kind;
+use super::error::kind;
 
 /// Name of the plan file.
 const PLAN: &str = "plan.json";

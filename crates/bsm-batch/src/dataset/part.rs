@@ -17,6 +17,7 @@ use parquet::arrow::ArrowWriter;
 use parquet::file::metadata::ParquetMetaDataReader;
 use sha2::{Digest, Sha256};
 
+use super::error::kind;
 use super::{DatasetError, PartDefect, digest};
 use crate::parquet_table::catch_decoder_panic;
 use crate::{Count, TableError, TableSink, Workers};
@@ -277,15 +278,4 @@ pub(super) fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableEr
     let mut writer = ArrowWriter::try_new(Vec::new(), table.schema(), None)?;
     writer.write(&table)?;
     Ok(writer.into_inner()?)
-}
-
-/// Returns a description of an entry that is not a file, such as "a folder".
-pub(super) fn kind(found: &fs::Metadata) -> &'static str {
-    if found.is_dir() {
-        "a folder"
-    } else if found.is_symlink() {
-        "a link"
-    } else {
-        "a pipe or a device"
-    }
 }

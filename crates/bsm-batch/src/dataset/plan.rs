@@ -9,6 +9,7 @@ use bsm_dyn::Model;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
+#[cfg(feature = "parquet")]
 use super::part::PartRange;
 use super::points::{Points, PointsEntry};
 use super::{DatasetError, digest};
@@ -243,6 +244,7 @@ impl Plan {
     }
 
     /// Returns the row range of a part, or an error if the plan contains no such part.
+    #[cfg(feature = "parquet")]
     pub(super) fn range(&self, number: u64) -> Result<PartRange<'_>, DatasetError> {
         let parts = self.parts();
         (number < parts).then(|| self.range_of(number)).ok_or_else(|| {
@@ -252,6 +254,7 @@ impl Plan {
         })
     }
 
+    #[cfg(feature = "parquet")]
     pub(super) fn range_of(&self, number: u64) -> PartRange<'_> {
         let first_row = number * self.rows_per_part();
         let rows = self.rows_per_part().min(self.rows() - first_row);

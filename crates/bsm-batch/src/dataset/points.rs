@@ -9,7 +9,7 @@ use bsm_case::{Axis, Grid};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::part::kind;
+use super::error::kind;
 use super::{DatasetError, digest};
 use crate::pipeline::ROWS;
 use crate::{

@@ -11,7 +11,7 @@ use bsm_case::{
 use serde_json::{Value, json};
 
 use super::warm::warm_figures;
-use crate::figure::text_of_table;
+use crate::plots::text_of_table;
 use crate::{Axis, Curve, Figure, PROGRAM, Page, ReportError, Stroke, number as text_of};
 
 /// Number of points of a limit curve in the speed-load diagram.

@@ -1,0 +1,52 @@
+//! Pictures in a program that was built without the feature `plot`. Each picture is an error.
+
+use crate::{Figure, Map, ReportError};
+
+impl Figure {
+    /// Returns [`ReportError::NotBuilt`].
+    ///
+    /// # Errors
+    ///
+    /// Always.
+    pub fn svg(&self) -> Result<String, ReportError> {
+        Err(ReportError::NotBuilt)
+    }
+
+    /// Returns [`ReportError::NotBuilt`].
+    ///
+    /// # Errors
+    ///
+    /// Always.
+    pub fn png(&self) -> Result<Vec<u8>, ReportError> {
+        Err(ReportError::NotBuilt)
+    }
+
+    /// Returns [`ReportError::NotBuilt`].
+    ///
+    /// # Errors
+    ///
+    /// Always.
+    pub fn inline_svg(&self) -> Result<String, ReportError> {
+        Err(ReportError::NotBuilt)
+    }
+}
+
+impl Map {
+    /// Returns [`ReportError::NotBuilt`].
+    ///
+    /// # Errors
+    ///
+    /// Always.
+    pub fn svg(&self) -> Result<String, ReportError> {
+        Err(ReportError::NotBuilt)
+    }
+
+    /// Returns [`ReportError::NotBuilt`].
+    ///
+    /// # Errors
+    ///
+    /// Always.
+    pub fn png(&self) -> Result<Vec<u8>, ReportError> {
+        Err(ReportError::NotBuilt)
+    }
+}
