@@ -251,8 +251,11 @@ fn error_states_what_is_wrong_with_a_cycle_entry() {
         "give dwell_s",
     );
     refused(cycle(json!({ "dwell_s": 1, "feed_m_min": 1 })), "cannot have feed_m_min");
-    refused(cycle(json!({ "share": 1, "feed_m_min": 1, "acceleration_m_s2": 1 })), "needs time_s");
-    refused(cycle(json!({ "share": 1, "end_feed_m_min": 1 })), "needs time_s");
+    refused(
+        cycle(json!({ "share": 1, "feed_m_min": 1, "acceleration_m_s2": 1 })),
+        "cannot have a share",
+    );
+    refused(cycle(json!({ "share": 1, "end_feed_m_min": 1 })), "cannot have a share");
     refused(
         cycle(json!({ "time_s": 1, "feed_m_min": 6, "acceleration_m_s2": 1 })),
         "through standstill",
