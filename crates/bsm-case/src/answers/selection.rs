@@ -173,6 +173,9 @@ impl Condition {
         let at = text.find(['<', '>', '=']).ok_or_else(bad)?;
         let sign =
             if text[at..].starts_with('=') { "=" } else { text.get(at..at + 2).ok_or_else(bad)? };
+        if !["<=", ">=", "="].contains(&sign) {
+            return Err(bad());
+        }
         let (column, change) = ListColumn::named(text[..at].trim(), columns)?;
         let given = text[at + sign.len()..].trim();
         let value: f64 = given.parse().unwrap_or(f64::NAN);
@@ -188,8 +191,7 @@ impl Condition {
         let range = match sign {
             ">=" => value - near..=f64::INFINITY,
             "<=" => f64::NEG_INFINITY..=value + near,
-            "=" => value - near..=value + near,
-            _ => return Err(bad()),
+            _ => value - near..=value + near,
         };
         Ok(Self { text: text.to_owned(), column, range })
     }

@@ -9,7 +9,7 @@ use crate::case::nut::balls_and_turns;
 use crate::case::rated_nut;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::inputs;
-use crate::vocabulary::number::{digits, trimmed};
+use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey, InputSet};
 
@@ -117,10 +117,7 @@ impl RatedScrew {
         let by = match (given_turns, estimated_turns) {
             (Some(_), _) => "loaded_turns (D10), (BB6)".to_owned(),
             (None, Some(turns)) => {
-                format!(
-                    "the {} loaded turns of the estimated groove (D10), (BB6)",
-                    digits(turns, 3)
-                )
+                format!("the {} loaded turns of the estimated groove (D10), (BB6)", trimmed(turns))
             }
             (None, None) => {
                 let turns = NutBody::TURNS_OF_RATINGS;

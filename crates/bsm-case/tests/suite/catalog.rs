@@ -158,7 +158,7 @@ fn invalid_lists_are_rejected() {
     }
     for (text, words) in [
         ("mass>=1", "did you mean `nut_mass_kg`?"),
-        ("nut_mass_kg>1", "a condition has the form"),
+        ("nut_mass_kg>1", "does not have the form"),
         ("nut_mass_kg>=heavy", "`heavy` is not a number"),
         ("passes=true", "conditions and sorting need a column of numbers"),
         ("nut_mass_kg", "does not have the form"),
