@@ -267,7 +267,7 @@ impl Candidate {
     /// Returns true if no calculated property has overflowed.
     fn is_finite(&self) -> bool {
         let ratings = [self.dynamic_rating, self.static_rating, self.preload, self.edge_load];
-        let others = [self.elasticity.turn, self.stiffness, self.mass, self.efficiency];
+        let others = [self.elasticity.turn_constant, self.stiffness, self.mass, self.efficiency];
         ratings.iter().chain(&others).all(|number| number.is_finite())
     }
 

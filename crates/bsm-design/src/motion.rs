@@ -37,29 +37,29 @@ const NODES: usize = 16;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DutySpeed {
     /// Relative rotational speed between screw and nut \[rad/s\].
-    turns: f64,
+    rotation: f64,
     /// Velocity of the nut along the screw \[m/s\].
     feed: f64,
 }
 
 impl DutySpeed {
     /// Speed of a screw at standstill.
-    pub const REST: Self = Self { turns: 0.0, feed: 0.0 };
+    pub const REST: Self = Self { rotation: 0.0, feed: 0.0 };
 
     /// Creates a speed from a relative rotational speed between screw and nut \[rad/s\].
-    pub fn of_turns(turns: f64) -> Self {
-        Self { turns, feed: 0.0 }
+    pub fn of_rotation(rotation: f64) -> Self {
+        Self { rotation, feed: 0.0 }
     }
 
     /// Creates a speed from a velocity of the nut along the screw \[m/s\].
     pub fn of_feed(feed: f64) -> Self {
-        Self { turns: 0.0, feed }
+        Self { rotation: 0.0, feed }
     }
 
     /// Returns true if the rotational part is zero, so that the feed speed does not depend on the
     /// lead.
     pub fn has_only_feed(self) -> bool {
-        self.turns == 0.0
+        self.rotation == 0.0
     }
 
     /// Returns the sum of this speed and a feed speed \[m/s\].
@@ -72,7 +72,7 @@ impl DutySpeed {
     /// \[m\].
     pub fn speed(self, lead: f64) -> f64 {
         // With zero feed, the lead has no effect and may be unknown.
-        if self.feed == 0.0 { self.turns } else { self.turns + self.feed * TAU / lead }
+        if self.feed == 0.0 { self.rotation } else { self.rotation + self.feed * TAU / lead }
     }
 }
 
@@ -156,7 +156,7 @@ pub struct ProfileSegment {
     /// Duration \[s\], or share of the cycle time.
     pub time: f64,
     /// Speeds at the start and at the end.
-    pub pace: [DutySpeed; 2],
+    pub speeds: [DutySpeed; 2],
     /// Process forces at the start and at the end \[N\], positive if they oppose a positive feed.
     /// In between, the force varies linearly with the travel.
     pub force: [f64; 2],
@@ -166,8 +166,8 @@ pub struct ProfileSegment {
 
 impl ProfileSegment {
     /// Creates a segment with constant speed and constant force \[N\].
-    pub fn constant(time: f64, pace: DutySpeed, force: f64) -> Self {
-        Self { entry: Some(0), time, pace: [pace; 2], force: [force; 2], load_factor: 1.0 }
+    pub fn constant(time: f64, speed: DutySpeed, force: f64) -> Self {
+        Self { entry: Some(0), time, speeds: [speed; 2], force: [force; 2], load_factor: 1.0 }
     }
 
     /// Returns the phases of the screw during this segment. A segment that passes through
@@ -175,10 +175,10 @@ impl ProfileSegment {
     ///
     /// * `lead`: lead of the screw \[m\].
     fn phases(&self, table: &MachineTable, lead: f64) -> impl Iterator<Item = Phase> {
-        let [start, end] = self.pace.map(|pace| pace.speed(lead));
-        let crosses = start * end < 0.0 || (start > 0.0 && end < 0.0) || (start < 0.0 && end > 0.0);
+        let [start, end] = self.speeds.map(|speed| speed.speed(lead));
+        let crosses = (start > 0.0 && end < 0.0) || (start < 0.0 && end > 0.0);
         let before = if crosses { start / (start - end) } else { 1.0 };
-        let change = if self.pace[0] == self.pace[1] { 0.0 } else { end - start };
+        let change = if self.speeds[0] == self.speeds[1] { 0.0 } else { end - start };
         // Without a change of speed, the lead has no effect and may be unknown.
         let acceleration = if change == 0.0 { 0.0 } else { change * lead / TAU / self.time };
         let phase = move |time: f64, speed: [f64; 2], force: [f64; 2]| {
@@ -351,8 +351,7 @@ impl Phase {
         [self.at(0.0), self.at(1.0)]
     }
 
-    /// Returns the end point with the larger absolute load or, if both loads are equal, the faster
-    /// end point.
+    /// Returns the heavier end point (see [`PhasePoint::heavier`]).
     pub fn heavier_end(&self) -> PhasePoint {
         let [start, end] = self.ends();
         start.heavier(end)
@@ -683,12 +682,13 @@ impl CycleTravel {
 ///
 /// Speed jumps of less than one millionth of the largest speed are ignored as rounding errors.
 pub fn speed_jumps(phases: &[Phase]) -> Vec<[Phase; 2]> {
-    const ROUNDING: f64 = 1e-6;
+    /// Minimum speed jump, divided by the largest speed (dimensionless).
+    const MIN_JUMP: f64 = 1e-6;
     let fastest = phases.iter().map(Phase::fastest).fold(0.0, f64::max);
     let next = phases.iter().cycle().skip(1);
     let pairs = phases.iter().zip(next).map(|(one, next)| [*one, *next]);
     let jumps =
-        |[one, next]: &[Phase; 2]| (one.speed[1] - next.speed[0]).abs() > ROUNDING * fastest;
+        |[one, next]: &[Phase; 2]| (one.speed[1] - next.speed[0]).abs() > MIN_JUMP * fastest;
     pairs.filter(jumps).collect()
 }
 
@@ -811,7 +811,7 @@ mod tests {
         let table = MachineTable { mass: 400.0, friction: 0.01, ..MachineTable::NONE };
         let feeds = [0.2, -0.2].map(DutySpeed::of_feed);
         let turned =
-            ProfileSegment { pace: feeds, ..ProfileSegment::constant(0.4, feeds[0], 800.0) };
+            ProfileSegment { speeds: feeds, ..ProfileSegment::constant(0.4, feeds[0], 800.0) };
         let found = phases(&[turned], &table, 10e-3);
         assert_eq!(found.len(), 2);
         let guides = 0.01 * 400.0 * 9.806_65;

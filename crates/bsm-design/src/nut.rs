@@ -9,7 +9,7 @@ use bsm_dyn::{
 };
 
 /// Millimeters per meter, because the empirical rating formulas use millimeters.
-const PER_MM: f64 = 1e3;
+const MM_PER_M: f64 = 1e3;
 
 /// Geometry of the loaded part of a nut and its screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,22 +121,22 @@ impl Nut {
     ///
     /// Source: ISO/DP 9784 as in Sobolewski (2002).
     pub fn dynamic_rating(&self) -> DynamicRating {
-        let (lead, alpha) = (self.lead_angle(), self.contact_angle);
+        let (lead_angle, beta) = (self.lead_angle(), self.contact_angle);
         // γ = D_w cosβ / D_pw                                             (D1)
-        let gamma = self.ball_diameter * alpha.cos() / self.pitch_diameter;
+        let gamma = self.ball_diameter * beta.cos() / self.pitch_diameter;
         let (low, high) = (1.0 - gamma, 1.0 + gamma);
         let (nut, screw) = self.conformity;
         // f_c = 93.2 (1 − sinβ/3) γ^0.3 (1−γ)^1.39/(1+γ)^⅓ [1/(1 − 1/(2 f_s))]^0.41  (D2)
-        let shape = 93.2 * (1.0 - alpha.sin() / 3.0) * gamma.powf(0.3) * low.powf(1.39)
+        let shape = 93.2 * (1.0 - beta.sin() / 3.0) * gamma.powf(0.3) * low.powf(1.39)
             / high.cbrt()
             * (1.0 - 0.5 / screw).powf(-0.41);
         // C_s = f_c cos^0.86 β n^⅔ D_w^1.8 tanβ cos^1.3 α                 (D3)
         let of_screw = shape
-            * alpha.cos().powf(0.86)
+            * beta.cos().powf(0.86)
             * self.balls_per_turn.powf(2.0 / 3.0)
-            * (self.ball_diameter * PER_MM).powf(1.8)
-            * alpha.tan()
-            * lead.cos().powf(1.3);
+            * (self.ball_diameter * MM_PER_M).powf(1.8)
+            * beta.tan()
+            * lead_angle.cos().powf(1.3);
         // C_s/C_n = [(1−γ)/(1+γ)]^1.723 [(2 − 1/f_n)/(2 − 1/f_s)]^0.41,
         // C_i = C_s [1 + (C_s/C_n)^(10/3)]^−0.3,  C_a = C_i i^0.86        (D4)
         let ratio = (low / high).powf(1.723) * ((2.0 - 1.0 / nut) / (2.0 - 1.0 / screw)).powf(0.41);
@@ -166,7 +166,7 @@ impl Nut {
             * self.turns
             * self.contact_angle.sin()
             * self.lead_angle().cos()
-            * (self.ball_diameter * PER_MM).powi(2);
+            * (self.ball_diameter * MM_PER_M).powi(2);
         StaticRating { curvatures, factor, rating }
     }
 

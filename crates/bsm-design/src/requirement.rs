@@ -24,12 +24,12 @@ impl LoadCase {
     fn phases(&self, carriage: &MachineTable, nut: &Nut) -> Vec<Phase> {
         match self {
             Self::Cycle(motions) => phases(motions, carriage, nut.lead),
-            Self::Torque(torque, pace) => {
-                let (radius, speed) = (0.5 * nut.pitch_diameter, pace.speed(nut.lead));
+            Self::Torque(torque, speed) => {
+                let (radius, speed) = (0.5 * nut.pitch_diameter, speed.speed(nut.lead));
                 // F = M / (r_m tanα)                                      (L1)
                 let load = torque / (radius * nut.lead_angle().tan());
                 phases(
-                    &[ProfileSegment::constant(1.0, DutySpeed::of_turns(speed), load)],
+                    &[ProfileSegment::constant(1.0, DutySpeed::of_rotation(speed), load)],
                     &MachineTable::NONE,
                     nut.lead,
                 )

@@ -17,9 +17,9 @@ pub struct Elasticity {
     /// Hertzian contacts of the ball with nut and screw.
     pub hertz: [Hertz; 2],
     /// Stiffness constant `$k$` of one turn \[N/m^1.5\] (D6).
-    pub turn: f64,
+    pub turn_constant: f64,
     /// Stiffness constant `$k\,i$` of all turns \[N/m^1.5\].
-    pub turns: f64,
+    pub constant: f64,
     /// Stiffness of the nut body \[N/m\] (D8).
     pub body: f64,
 }
@@ -39,7 +39,7 @@ impl Elasticity {
     /// Source: Sobolewski (2002), eqs. 4 and 7.
     pub fn displacement(&self, force: f64) -> f64 {
         // δ_a = (F/(k i))^⅔                                               (D7)
-        (force / self.turns).cbrt().powi(2)
+        (force / self.constant).cbrt().powi(2)
     }
 
     /// Returns the secant stiffness of the contacts of one nut \[N/m\] (D19), which is the force
@@ -48,7 +48,7 @@ impl Elasticity {
     /// Source: Sobolewski (2002), eq. 5.
     pub fn secant(&self, force: f64) -> f64 {
         // j_sec = [F (k i)²]^⅓                                            (D19)
-        (force * self.turns.powi(2)).cbrt()
+        (force * self.constant.powi(2)).cbrt()
     }
 
     /// Returns the tangent stiffness of the contacts of one nut \[N/m\] (D19), which is the
@@ -65,7 +65,7 @@ impl Elasticity {
     /// this stiffness.
     pub fn preloaded(&self, preload: f64) -> f64 {
         // j_w = 3 k i √δ_w                                                (D20)
-        3.0 * self.turns * self.displacement(preload).sqrt()
+        3.0 * self.constant * self.displacement(preload).sqrt()
     }
 
     /// Returns the contact displacement of a preloaded nut pair under a load \[m\] (D20). Beyond
@@ -116,10 +116,11 @@ impl Nut {
         let hertz = self.hertz()?;
         let direction = self.contact_angle.sin() * self.lead_angle().cos();
         // k = n (sinβ cosα)^5/2 / (δ_n + δ_s)^3/2                         (D6)
-        let turn = self.balls_per_turn
+        let turn_constant = self.balls_per_turn
             * (direction / (hertz[0].compliance + hertz[1].compliance)).powf(1.5)
             * direction;
-        Ok(Elasticity { hertz, turn, turns: turn * self.turns, body: body.stiffness(self) })
+        let constant = turn_constant * self.turns;
+        Ok(Elasticity { hertz, turn_constant, constant, body: body.stiffness(self) })
     }
 }
 
@@ -187,7 +188,7 @@ mod tests {
         let nut = elasticity();
         let preload: f64 = 15e3;
         let approach = nut.displacement(preload);
-        let carried = |x: f64| nut.turns * x.max(0.0).powf(1.5);
+        let carried = |x: f64| nut.constant * x.max(0.0).powf(1.5);
         let load = |w: f64| carried(approach + w) - carried(approach - w);
         let small = 1e-6 * approach;
         // The first neglected term of the power series is of the order of (w/δ)².

@@ -17,8 +17,8 @@ const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 const STOCK: [f64; 6] = [3.175e-3, 3.969e-3, 4.763e-3, 5.556e-3, 6.35e-3, 7.144e-3];
 
 fn load(newtons: f64, rpm: f64) -> LoadCase {
-    let pace = DutySpeed::of_turns(rpm * PI / 30.0);
-    LoadCase::Cycle(vec![ProfileSegment::constant(1.0, pace, newtons)])
+    let speed = DutySpeed::of_rotation(rpm * PI / 30.0);
+    LoadCase::Cycle(vec![ProfileSegment::constant(1.0, speed, newtons)])
 }
 
 /// Accepts every nut, because these tests do not depend on the load distribution.
@@ -294,7 +294,7 @@ fn given_torque_and_equivalent_load_select_the_same_screw() {
     let torque = 8e3 * 10e-3 / (2.0 * PI);
     let (by_load, _) = best_design(&feed_drive());
     let (by_torque, _) = best_design(&Requirement {
-        demand: LoadCase::Torque(torque, DutySpeed::of_turns(50.0 * PI)),
+        demand: LoadCase::Torque(torque, DutySpeed::of_rotation(50.0 * PI)),
         ..feed_drive()
     });
     // The loads differ only by rounding errors, which change the result by less than the search

@@ -119,7 +119,7 @@ const QUANTITIES: &[Column] = columns! {
     "dynamic" dynamic_load_rating_N ["N"] "dynamic load rating": |nut| nut.dynamic_rating().rating;
         1.0 + 0.0, "one unit of the last printed digit; the diameter has four digits";
     "stiffness-characteristic" stiffness_characteristic_N_um15 ["N/um^1.5"] "stiffness characteristic of one turn":
-        |nut| nut.elasticity(&NutBody::usual(nut, NutSet::Single)).map_or(f64::NAN, |e| e.turn * 1e-9);
+        |nut| nut.elasticity(&NutBody::usual(nut, NutSet::Single)).map_or(f64::NAN, |e| e.turn_constant * 1e-9);
         0.0 + 0.02, "2 %: exact Hertzian contacts are used instead of fits that the source does not print; all five rows with conformity 0.52 are 1.5 to 1.8 % too low";
     "stiffness" preloaded_stiffness_N_um ["N/um"] "stiffness of the preloaded pair": pair_stiffness;
         0.0 + 0.012, "1.2 %: two thirds of the error of the stiffness characteristic";

@@ -47,7 +47,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         static_load_rating_N ["N" "C_0a"] Scalar(|r| r.static_rating.rating), "static axial load rating";
         edge_load_N ["N"] Scalar(|r| r.edge_load),
             "edge load: axial load at which a contact ellipse reaches the end of its flank";
-        stiffness_characteristic_N_um15 ["N/um^1.5" "k"] Scalar(|r| r.elasticity.turn * 1e-9),
+        stiffness_characteristic_N_um15 ["N/um^1.5" "k"] Scalar(|r| r.elasticity.turn_constant * 1e-9),
             "stiffness characteristic of one turn";
         preload_displacement_um ["um"] Scalar(|r| r.of_pair(|e| e.displacement(r.force) / UM)),
             "displacement of the contacts of a nut under the preload";

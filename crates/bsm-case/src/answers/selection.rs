@@ -42,7 +42,7 @@ quantities! {
     }
     "in files" {
         edge_load_N = RATINGS Scalar(|c| c.edge_load);
-        stiffness_characteristic_N_um15 = RATINGS Scalar(|c| c.elasticity.turn * 1e-9);
+        stiffness_characteristic_N_um15 = RATINGS Scalar(|c| c.elasticity.turn_constant * 1e-9);
         preload_N = INPUTS Scalar(|c| c.preload);
         preloaded_contact_stiffness_N_um = RATINGS Scalar(|c| c.elasticity.preloaded(c.preload) * UM);
         preloaded_body_stiffness_N_um = RATINGS Scalar(|c| 2.0 * c.elasticity.body * UM);

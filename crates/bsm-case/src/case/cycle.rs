@@ -40,16 +40,18 @@ impl Cycle {
             if case.cycles_per_hour.is_some() {
                 return Err(bad("cycles_per_hour", "needs a cycle"));
             }
-            let pace = match (case.feed_m_min, case.speeds_rpm()) {
+            let speed = match (case.feed_m_min, case.speeds_rpm()) {
                 (Some(feed), _) if case.nut_speed_rpm.is_none() => {
                     Some(DutySpeed::of_feed(feed / 60.0))
                 }
                 // Without a screw speed, the screw is at rest.
-                (_, None) => case.nut_speed_rpm.map(|nut| DutySpeed::of_turns(-nut * RPM)),
-                (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::of_turns((screw - nut) * RPM)),
+                (_, None) => case.nut_speed_rpm.map(|nut| DutySpeed::of_rotation(-nut * RPM)),
+                (_, speeds) => {
+                    speeds.map(|(screw, nut)| DutySpeed::of_rotation((screw - nut) * RPM))
+                }
             };
             let force = case.axial_load_N.unwrap_or(0.0);
-            let point = ProfileSegment::constant(1.0, pace.unwrap_or(DutySpeed::REST), force);
+            let point = ProfileSegment::constant(1.0, speed.unwrap_or(DutySpeed::REST), force);
             let segments = vec![ProfileSegment { load_factor, ..point }];
             let rest_force = case.hold_force_N.unwrap_or(0.0);
             return Ok(Self { segments, time: None, rest_force, notes: Vec::new() });
@@ -129,7 +131,7 @@ impl Cycle {
 
     /// Returns true if all speeds of the cycle are given as feed rates.
     pub(crate) fn has_only_feeds(&self) -> bool {
-        self.segments.iter().flat_map(|segment| segment.pace).all(DutySpeed::has_only_feed)
+        self.segments.iter().flat_map(|segment| segment.speeds).all(DutySpeed::has_only_feed)
     }
 
     /// Returns the travel of the cycle, or `None` if the cycle has no durations.
@@ -187,9 +189,9 @@ struct SegmentMaker {
 }
 
 impl SegmentMaker {
-    fn segment(&self, time: f64, pace: [DutySpeed; 2]) -> ProfileSegment {
+    fn segment(&self, time: f64, speeds: [DutySpeed; 2]) -> ProfileSegment {
         let Self { place, force, load_factor } = *self;
-        ProfileSegment { entry: Some(place), time, pace, force, load_factor }
+        ProfileSegment { entry: Some(place), time, speeds, force, load_factor }
     }
 
     /// Returns an error message about the entry.
@@ -213,18 +215,18 @@ impl SegmentMaker {
         let time = entry.time_s.or(entry.share).unwrap_or(f64::NAN);
         if entry.start_feed_m_min.or(entry.end_feed_m_min).is_some() {
             let feeds = [entry.start_feed_m_min, entry.end_feed_m_min];
-            let pace = feeds.map(|feed| DutySpeed::of_feed(feed.unwrap_or(0.0) / 60.0));
-            return Ok(vec![self.segment(time, pace)]);
+            let speeds = feeds.map(|feed| DutySpeed::of_feed(feed.unwrap_or(0.0) / 60.0));
+            return Ok(vec![self.segment(time, speeds)]);
         }
-        let pace = match entry.screw_speed_rpm {
-            Some(rpm) => DutySpeed::of_turns(rpm * RPM),
+        let speed = match entry.screw_speed_rpm {
+            Some(rpm) => DutySpeed::of_rotation(rpm * RPM),
             None => DutySpeed::of_feed(entry.feed_m_min.unwrap_or(0.0) / 60.0),
         };
         match entry.acceleration_m_s2.filter(|acceleration| *acceleration != 0.0) {
-            None => Ok(vec![self.segment(time, [pace; 2])]),
+            None => Ok(vec![self.segment(time, [speed; 2])]),
             Some(acceleration) => {
-                let pace = self.ramp(case, pace, acceleration * time, notes)?;
-                Ok(vec![self.segment(time, pace)])
+                let speeds = self.ramp(case, speed, acceleration * time, notes)?;
+                Ok(vec![self.segment(time, speeds)])
             }
         }
     }
@@ -254,7 +256,7 @@ impl SegmentMaker {
         let rest = DutySpeed::REST;
         let parts = found.times.into_iter().zip([[rest, top], [top, top], [top, rest]]);
         let parts = parts.filter(|(time, _)| *time > 0.0);
-        Ok(parts.map(|(time, pace)| self.segment(time, pace)).collect())
+        Ok(parts.map(|(time, speeds)| self.segment(time, speeds)).collect())
     }
 
     /// Returns the speeds at the start and the end of a phase with acceleration. The speed that the
@@ -264,20 +266,20 @@ impl SegmentMaker {
     fn ramp(
         &self,
         case: &Case,
-        pace: DutySpeed,
+        speed: DutySpeed,
         change: f64,
         notes: &mut Vec<String>,
     ) -> Result<[DutySpeed; 2], CaseError> {
         // Without a lead, a speed in rpm cannot be converted to a feed rate, but the sign of the
         // feed rate is known.
         let lead = case.lead().map_or(std::f64::consts::TAU, |lead| lead * MM);
-        let is_known = case.lead().is_some() || pace.has_only_feed();
-        if pace.speed(lead) == 0.0 {
-            return Ok([pace, pace.plus_feed(change)]);
+        let is_known = case.lead().is_some() || speed.has_only_feed();
+        if speed.speed(lead) == 0.0 {
+            return Ok([speed, speed.plus_feed(change)]);
         }
-        let speeds_up = pace.speed(lead) * change > 0.0;
-        let other = pace.plus_feed(if speeds_up { -change } else { change });
-        let ratio = other.speed(lead) / pace.speed(lead);
+        let speeds_up = speed.speed(lead) * change > 0.0;
+        let other = speed.plus_feed(if speeds_up { -change } else { change });
+        let ratio = other.speed(lead) / speed.speed(lead);
         if is_known && ratio < -STANDSTILL {
             return Err(self.error(
                 "passes through standstill with this acceleration_m_s2 and time_s: give start_feed_m_min and end_feed_m_min",
@@ -285,7 +287,7 @@ impl SegmentMaker {
         }
         let is_rest = is_known && ratio.abs() <= STANDSTILL;
         let other = if is_rest { DutySpeed::REST } else { other };
-        let ends = if speeds_up { [other, pace] } else { [pace, other] };
+        let ends = if speeds_up { [other, speed] } else { [speed, other] };
         if is_known {
             let [start, end] =
                 ends.map(|end| trimmed(end.speed(lead) * lead / std::f64::consts::TAU * 60.0));

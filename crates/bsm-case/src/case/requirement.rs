@@ -276,11 +276,11 @@ impl RequirementKeys {
         if let Some((key, _)) = loads.into_iter().find(|(_, given)| *given) {
             return Err(CaseError::given_twice([key, "screw_torque_Nm"]));
         }
-        let pace = match (case.feed_m_min, case.screw_speed_rpm) {
+        let speed = match (case.feed_m_min, case.screw_speed_rpm) {
             (Some(feed), _) => DutySpeed::of_feed(feed / 60.0),
-            (None, rpm) => DutySpeed::of_turns(rpm.unwrap_or(f64::NAN) * RPM),
+            (None, rpm) => DutySpeed::of_rotation(rpm.unwrap_or(f64::NAN) * RPM),
         };
-        Ok(LoadCase::Torque(torque, pace))
+        Ok(LoadCase::Torque(torque, speed))
     }
 
     /// Returns the smallest and the largest permitted value of a quantity. Each of the two limits

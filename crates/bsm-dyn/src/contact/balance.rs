@@ -157,7 +157,7 @@ pub(crate) fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &Ba
 /// * `lead`, `angle`: sines and cosines of lead angle and contact angle.
 /// * `radius`: ratio of pitch circle radius to ball radius `$r_m/r_b$`.
 #[inline(always)]
-pub(crate) fn friction_torque<P: Real, D: RealOver<P>>(
+pub(crate) fn unit_ball_torque<P: Real, D: RealOver<P>>(
     (load, [across, along]): (D, [D; 2]),
     lead: (P, P),
     (sin, cos): (D, D),

@@ -94,8 +94,9 @@ impl<D: Real> Groove<D> {
         (self.conformity * 2.0 - 1.0) * ball_radius
     }
 
-    /// Calculates [`Self::curvatures`] from the tangent of the lead angle and the cosine of the
-    /// contact angle.
+    /// Returns the relative curvatures of ball and groove at first contact (H3) to (H6). Compared
+    /// with [`Self::curvatures`], the function takes the tangent of the lead angle and the cosine of
+    /// the contact angle instead of the angles.
     #[inline(always)]
     pub fn curvatures_at(
         &self,
@@ -229,11 +230,6 @@ impl<D: Scalar> Hertz<D> {
         (a, a * self.flatness)
     }
 
-    /// Returns the ratio of the semi-axes `$\kappa = a/b \ge 1$`.
-    pub fn ratio(&self) -> D {
-        self.flatness.recip()
-    }
-
     /// Returns the stiffness `$K_H$` in `$Q = K_H\,\delta^{3/2}$` \[N/m^1.5\] (H9).
     pub fn stiffness(&self) -> D {
         // K_H = c^{−3/2}                                                  (H9)
@@ -249,9 +245,10 @@ pub(crate) fn max_pressure<F: Real>(load: F, (a, b): (F, F)) -> F {
 }
 
 impl Hertz {
-    /// Returns the maximum pressure \[Pa\] under the load `load` \[N\] (H10).
+    /// Returns the maximum pressure \[Pa\] under the load `load` \[N\] (H10). The pressure is zero
+    /// if the load is zero or negative, and NaN if the load is NaN.
     pub fn max_pressure(&self, load: f64) -> f64 {
-        if load > 0.0 { max_pressure(load, self.semi_axes(load)) } else { 0.0 }
+        if load <= 0.0 { 0.0 } else { max_pressure(load, self.semi_axes(load)) }
     }
 }
 
@@ -275,11 +272,11 @@ struct Iterations {
     agm_steps: usize,
 }
 
-/// Numbers of iterations for curvature ratios up to [`Axes::PRACTICE`]. The error of the starting
-/// value is at most 0.3. The errors after the first two Newton steps are at most 4e-3 and 2e-7, and
-/// the error after the third step is a rounding error. For `$\kappa \le 700$`, the errors of the
-/// arithmetic-geometric means are below rounding errors.
-const PRACTICE: Iterations = Iterations { steps: 3, agm_steps: 6 };
+/// Numbers of iterations for curvature ratios up to [`Axes::MAX_PRACTICAL_RATIO`]. The error of the
+/// starting value is at most 0.3. The errors after the first two Newton steps are at most 4e-3 and
+/// 2e-7, and the error after the third step is a rounding error. For `$\kappa \le 700$`, the errors
+/// of the arithmetic-geometric means are below rounding errors.
+const PRACTICAL_ITERATIONS: Iterations = Iterations { steps: 3, agm_steps: 6 };
 
 /// Numbers of iterations for curvature ratios up to 1e30. No groove in double precision has a
 /// larger curvature ratio.
@@ -287,12 +284,13 @@ const BEYOND: Iterations = Iterations { steps: 12, agm_steps: 12 };
 
 impl<D: Real> Axes<D> {
     /// Maximum curvature ratio `$\rho_t/\rho_x$` for [`Self::in_practice`].
-    pub const PRACTICE: f64 = 1e4;
+    pub const MAX_PRACTICAL_RATIO: f64 = 1e4;
 
-    /// Solves (H7) for curvature ratios from 1 to [`Self::PRACTICE`], accurate to rounding errors.
+    /// Solves (H7) for curvature ratios from 1 to [`Self::MAX_PRACTICAL_RATIO`], accurate to
+    /// rounding errors.
     #[inline(always)]
     pub fn in_practice(target: D) -> Self {
-        Self::solve(target, PRACTICE).0
+        Self::solve(target, PRACTICAL_ITERATIONS).0
     }
 
     /// Solves (H7) for a curvature ratio. Also returns the equation evaluated at the root.
@@ -327,11 +325,11 @@ impl<D: Scalar> Axes<D> {
             let moved = (targets[i] - D::from(t)) * (at.above() * at.below() / (at.slope() * t));
             // dK/d ln κ = K (1 − r)/2,  dE/d ln κ = −K q² (1 + r)/2       (H11)
             let (dk, de) = (0.5 * k * at.below(), -0.5 * k * flatness * flatness * at.above());
-            let longitudinal = |value: f64, slope: f64| moved * slope + value;
+            let with_derivatives = |value: f64, slope: f64| moved * slope + value;
             Self {
-                flatness: longitudinal(flatness, -flatness),
-                k: longitudinal(k, dk),
-                e: longitudinal(e, de),
+                flatness: with_derivatives(flatness, -flatness),
+                k: with_derivatives(k, dk),
+                e: with_derivatives(e, de),
             }
         })
     }
@@ -348,8 +346,8 @@ impl<const N: usize> WithSimd for SideBySide<N> {
         const { assert!(N <= BLOCK, "one block") };
         let mut targets = [1.0; BLOCK];
         targets[..N].copy_from_slice(&self.0);
-        let practice = self.0.iter().all(|target| *target <= Axes::<f64>::PRACTICE);
-        let effort = if practice { PRACTICE } else { BEYOND };
+        let is_practical = self.0.iter().all(|ratio| *ratio <= Axes::<f64>::MAX_PRACTICAL_RATIO);
+        let effort = if is_practical { PRACTICAL_ITERATIONS } else { BEYOND };
         let mut all = [(Axes { flatness: 1.0, k: 1.0, e: 1.0 }, CurvatureEquation::at(1.0, 1)); N];
         for first in (0..N).step_by(S::F64_LANES) {
             let (axes, at) = Axes::solve(Lane::<S>::load(simd, &targets[first..]), effort);
@@ -452,14 +450,14 @@ mod tests {
     #[test]
     fn lin_screw_has_the_reference_constants() {
         let nut = lin_contact(Raceway::Nut);
-        assert_relative_eq!(nut.ratio(), 5.972_732_4, max_relative = 1e-8);
+        assert_relative_eq!(nut.flatness.recip(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
         // The reference states 1.88829920e-5. Its relative difference from the reference ratio a/κ
         // is 2e-8.
         assert_relative_eq!(nut.semi_axes(1.0).1, 1.888_299_23e-5, max_relative = 1e-8);
         assert_relative_eq!(nut.stiffness(), 2.445_283_496_7e10, max_relative = 1e-10);
         let screw = lin_contact(Raceway::Screw);
-        assert_relative_eq!(screw.ratio(), 6.961_155_4, max_relative = 1e-8);
+        assert_relative_eq!(screw.flatness.recip(), 6.961_155_4, max_relative = 1e-8);
         assert_relative_eq!(screw.semi_axis, 1.151_921_66e-4, max_relative = 1e-8);
         assert_relative_eq!(screw.semi_axes(1.0).1, 1.654_785_16e-5, max_relative = 1e-8);
         assert_relative_eq!(screw.stiffness(), 2.356_080_636_3e10, max_relative = 1e-10);
@@ -481,7 +479,7 @@ mod tests {
         let curvatures = Curvatures { longitudinal: radius.recip(), transverse: radius.recip() };
         let hertz = Hertz::of(&curvatures, 1.1e11).unwrap();
         let a = (3.0 * radius / (4.0 * 1.1e11)).cbrt();
-        assert_relative_eq!(hertz.ratio(), 1.0, max_relative = 1e-15);
+        assert_relative_eq!(hertz.flatness.recip(), 1.0, max_relative = 1e-15);
         assert_relative_eq!(hertz.semi_axis, a, max_relative = 1e-14);
         assert_relative_eq!(hertz.approach(1.0), a * a / radius, max_relative = 1e-14);
         // Near a circle, (3/2) d ln κ = d ln ρ_t, and the integrals are smooth functions of κ.
@@ -490,7 +488,19 @@ mod tests {
             transverse: Jet::<1>::from(radius.recip()),
         };
         let moved = Hertz::of(&jets, Jet::from(1.1e11)).unwrap();
-        assert_relative_eq!(moved.ratio().eps[0], 2.0 / 3.0 * radius, max_relative = 1e-14);
+        assert_relative_eq!(
+            moved.flatness.recip().eps[0],
+            2.0 / 3.0 * radius,
+            max_relative = 1e-14
+        );
+    }
+
+    #[test]
+    fn max_pressure_is_zero_without_load_and_nan_for_an_undefined_load() {
+        let nut = lin_contact(Raceway::Nut);
+        assert!(nut.max_pressure(1.0) > 0.0);
+        assert!([0.0, -1.0].iter().all(|load| nut.max_pressure(*load) == 0.0));
+        assert!(nut.max_pressure(f64::NAN).is_nan());
     }
 
     /// For zero lead angle, the curvatures equal those of a ball bearing.
@@ -580,12 +590,12 @@ mod tests {
             let longitudinal = transverse * log_ratio.exp();
             let hertz = Hertz::of(&Curvatures { longitudinal, transverse }, 1.1e11).unwrap();
             let (k, e) = ellipke(1.0 - hertz.flatness.powi(2)).unwrap();
-            let relation = (hertz.ratio().powi(2) * e - k) / (k - e);
+            let relation = (hertz.flatness.recip().powi(2) * e - k) / (k - e);
             // Near a circle, the differences κ² E − K and K − E suffer from cancellation.
             prop_assert!((relation.ln() - log_ratio).abs() <= 1e-11 / log_ratio.min(1.0));
             let (a, b) = hertz.semi_axes(8.0 * load);
             prop_assert!((a / hertz.semi_axes(load).0 - 2.0).abs() <= 1e-14);
-            prop_assert!((a / b / hertz.ratio() - 1.0).abs() <= 1e-14);
+            prop_assert!((a / b / hertz.flatness.recip() - 1.0).abs() <= 1e-14);
             let mean = load / (PI * hertz.semi_axes(load).0 * hertz.semi_axes(load).1);
             prop_assert!((hertz.max_pressure(load) / mean - 1.5).abs() <= 1e-13);
         }

@@ -38,11 +38,18 @@ impl<D: Scalar> Jones<D> {
         // l_A cos(β − ν) + l_B cos(β + ν) = A₂ = S cosβ + D sinβ          (J7)
         let (s, d, a_2) = ((l_a + l_b) * cos, (l_a - l_b) * sin, both * self.contact_angle.cos());
         let square = s.square() + d.square() - a_2.square();
-        if square.re() <= 0.0 || s.re() <= 0.0 {
+        if square.re().is_nan() || square.re() <= 0.0 {
             return Err(EvalError {
                 quantity: "square of the axial distance between the groove arc centers",
                 value: square.re(),
                 requirement: "must be positive; otherwise no contact angles have the given difference",
+            });
+        }
+        if s.re() <= 0.0 {
+            return Err(EvalError {
+                quantity: "sum of the distances between ball center and groove arc centers, times the cosine of the tilt",
+                value: s.re(),
+                requirement: "must be positive; otherwise no contact angles between 0 and 90 degrees have the given difference",
             });
         }
         // β = atan2(D, S) + acos(A₂/√(S² + D²))
@@ -104,6 +111,8 @@ pub(crate) fn binormal_displacement<P: Real, D: RealOver<P>>(
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use approx::assert_relative_eq;
     use proptest::prelude::*;
 
@@ -152,6 +161,23 @@ mod tests {
             // from a cosine that hardly depends on it.
             assert_relative_eq!(opposite, mean + tilt, max_relative = 1e-13);
             assert_relative_eq!(same, displacement, epsilon = 1e-16);
+        }
+    }
+
+    /// For a tilt of 180 degrees, the square of the axial distance is positive, but the projected
+    /// sum of the distances is negative. The error states the negative number.
+    #[test]
+    fn error_of_an_impossible_tilt_states_the_number_that_is_not_positive() {
+        let error = SCREW.deformed([0.0; 2], PI).expect_err("the tilt is too large");
+        assert!(error.value < 0.0, "{error:?}");
+        let error = SCREW.deformed([-1e-3; 2], 1.0).expect_err("the grooves do not reach the ball");
+        assert!(error.value < 0.0, "{error:?}");
+    }
+
+    #[test]
+    fn undefined_approaches_and_tilts_are_rejected() {
+        for (approaches, tilt) in [([f64::NAN, 0.0], 0.1), ([0.0; 2], f64::NAN)] {
+            assert!(SCREW.deformed(approaches, tilt).is_err());
         }
     }
 

@@ -259,11 +259,11 @@ impl RacewayControl {
 
     /// Solves for the loads and contact angles, calculates the rolling motion, and integrates the
     /// friction power over the contact ellipses.
-    pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
+    pub fn solve(&self, work: &mut RacewayWorkspace) -> Solution {
         let solved = self.at.scaled().and_then(|contacts| {
-            let rolling_ball = memory.rolling_ball(&contacts, self.control)?;
-            let solved = memory.solved(&self.at, &contacts, &rolling_ball)?;
-            Ok(memory.with_others(&self.at, &contacts, &rolling_ball, self.control, &solved))
+            let rolling_ball = work.rolling_ball(&contacts, self.control)?;
+            let solved = work.solved(&self.at, &contacts, &rolling_ball)?;
+            Ok(work.with_others(&self.at, &contacts, &rolling_ball, self.control, &solved))
         });
         Solution::new(Model::RacewayControl, solved)
     }
@@ -407,8 +407,8 @@ mod tests {
         let fine = Quadrature::of(1e-12);
         for (axial, rpm) in [(2113.0, 2000.0), (20.0, 500.0), (5000.0, -30.0)] {
             let eta = |quadrature: Quadrature| {
-                let mut memory = RacewayWorkspace { quadrature, ..RacewayWorkspace::default() };
-                lin_screw(axial, rpm).solve(&mut memory).efficiency().expect("efficiency")
+                let mut work = RacewayWorkspace { quadrature, ..RacewayWorkspace::default() };
+                lin_screw(axial, rpm).solve(&mut work).efficiency().expect("efficiency")
             };
             let exact = eta(fine.clone());
             let ours = eta(Quadrature::of(RacewayControl::ACCURACY));
@@ -443,12 +443,12 @@ mod tests {
     #[test]
     fn efficiency_derivative_agrees_with_finite_differences() {
         let lead_angle = 4.1_f64.to_radians();
-        let memory = || RacewayWorkspace {
+        let work = || RacewayWorkspace {
             quadrature: Quadrature::of(RacewayControl::SENSITIVITY_ACCURACY),
             ..RacewayWorkspace::default()
         };
         let efficiency =
-            |angle: f64| feed_screw(angle).solve(&mut memory()).efficiency().expect("a solution");
+            |angle: f64| feed_screw(angle).solve(&mut work()).efficiency().expect("a solution");
         let exact = feed_screw(Jet::<1>::variable(lead_angle, 0))
             .sensitivities(&mut RacewayWorkspace::default());
         let exact = exact.expect("a solution").efficiency.eps[0];
@@ -489,7 +489,13 @@ mod tests {
         ) {
             let base = lin_screw(axial, if back { -rpm } else { rpm }).at;
             let speed = base.point.drive.screw_speed;
-            let case = ElasticPoint { point: OperatingPoint { helix: Helix { lead_angle: lead.to_radians(), ..base.point.helix }, contact_angle: beta.to_radians(), drive: Drive { screw_speed: speed, nut_speed: nut * speed }, ..base.point }, conformity: (f_n, f_s), ..base };
+            let point = OperatingPoint {
+                helix: Helix { lead_angle: lead.to_radians(), ..base.point.helix },
+                contact_angle: beta.to_radians(),
+                drive: Drive { screw_speed: speed, nut_speed: nut * speed },
+                ..base.point
+            };
+            let case = ElasticPoint { point, conformity: (f_n, f_s), ..base };
             let o = solved(&RacewayControl { at: case, control: None });
             let [q_a, q_b] = [o.ball.nut, o.ball.screw].map(|c| c.load.expect("a load"));
             let (a, b) = (o.ball.nut.angle, o.ball.screw.angle);

@@ -152,7 +152,8 @@ impl Rigid {
     /// Solves for the steady motion of the ball, and follows the whole branch to find other
     /// solutions. [`solve`](Self::solve) reports other solutions only if it needs to follow the
     /// branch for another reason.
-    pub fn solve_with_branch(&self, work: &mut RigidWorkspace) -> Solution {
+    #[cfg(test)]
+    fn solve_with_branch(&self, work: &mut RigidWorkspace) -> Solution {
         let root = self.ball().and_then(|ball| Ok((ball, root::find_all(&ball, work)?)));
         Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
     }

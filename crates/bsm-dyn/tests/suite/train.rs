@@ -72,6 +72,25 @@ fn pushed_balls_match_the_reference() {
     }
 }
 
+/// A nut with twelve balls carries twelve times the load of a nut with one ball. Each of its balls
+/// moves like the single ball, with the same push forces.
+#[test]
+fn motion_of_a_pushed_ball_depends_on_the_load_per_ball() {
+    let work = &mut ModelWorkspace::default();
+    let one = ball(100.0);
+    let load = Load { axial: 12.0 * one.point.load.axial, balls: 12.0 };
+    let many = ElasticPoint { point: OperatingPoint { load, ..one.point }, ..one };
+    let [one, many] = [one, many].map(|at| {
+        let ball = train_ball(at, BALLS, work);
+        ball.pushed(ball.free(), [2.0, 1.5], work).expect("a motion")
+    });
+    // Both loads per ball are 50 N, so the results can differ only by rounding errors.
+    assert_near("rate", many.rate, one.rate, 1e-9);
+    assert_near("torque", many.screw_torque, one.screw_torque, 1e-9);
+    assert_near("power", many.raceway_power, one.raceway_power, 1e-9);
+    assert_near("axial force of the neighbors", many.axial_push, one.axial_push, 1e-9);
+}
+
 #[test]
 fn push_forces_at_a_given_precession_rate_match_the_reference() {
     let work = &mut ModelWorkspace::default();

@@ -232,7 +232,7 @@ pub fn catalog_figures(catalog: &Catalog, places: &[u32]) -> Vec<Figure> {
 fn preload_diagram(nut: &Candidate) -> Figure {
     let Candidate { elasticity, preload, size, .. } = nut;
     let approach = elasticity.displacement(*preload);
-    let carried = |x: f64| 1e-3 * elasticity.turns * x.max(0.0).powf(1.5);
+    let carried = |x: f64| 1e-3 * elasticity.constant * x.max(0.0).powf(1.5);
     let curve = |label: &str, color, stroke, force: &dyn Fn(f64) -> f64, most: f64| {
         let point = |i: i32| 0.02 * most * f64::from(i) * approach;
         let points = (0..=50).map(|i| (point(i) / UM, force(point(i)))).collect();

@@ -317,8 +317,8 @@ pub fn torque_parts(
     else {
         return Ok(None);
     };
-    let pace = DutySpeed::of_turns((screw - turned) * RPM);
-    let point = ProfileSegment::constant(1.0, pace, force);
+    let speed = DutySpeed::of_rotation((screw - turned) * RPM);
+    let point = ProfileSegment::constant(1.0, speed, force);
     let point = phases(&[point], &carriage(case)?, lead * MM)[0].heavier_end();
     let drag = if preloaded {
         let machine = Machine::of(case)?;

@@ -8,7 +8,7 @@ use bsm_kin::{Jet, Real, RealOver};
 use bsm_newton::{LaneEquations, LaneIterate, LaneNewton, LaneStep, cramer};
 
 use super::states::{SlidingBall, SlidingMotion, SlidingPoint, SlidingState};
-use crate::contact::friction_torque;
+use crate::contact::unit_ball_torque;
 use crate::models::ball::{friction_power, is_in_range};
 
 /// Value of `$\ln q$` (dimensionless) that represents zero inertia. It is close to the logarithm of
@@ -546,7 +546,7 @@ impl<F: Real> SlidingRoot<F> {
     pub fn torque(&self) -> F {
         let SlidingState { loads: [_, load], sin: [_, sin], cos: [_, cos], .. } = self.at.state;
         let SlidingBall { sin: sin_a, cos: cos_a, arc, .. } = self.ball;
-        friction_torque((load, self.friction()[1]), (sin_a, cos_a), (sin, cos), arc * cos_a)
+        unit_ball_torque((load, self.friction()[1]), (sin_a, cos_a), (sin, cos), arc * cos_a)
     }
 
     /// Returns the friction power, divided by `$r_b F_a |W|$`.

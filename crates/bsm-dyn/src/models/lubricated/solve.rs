@@ -12,7 +12,7 @@ use crate::contact::{BallOrbit, Lubricant, OutsidePower, Temperature, ZERO_CELSI
 use crate::ellipse::{Integrate, Placement, Quadrature};
 use crate::models::ball::{
     AnswerUnits, BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint,
-    ErrorBound, FilmLoss, LubricatedState, Model, NoAnswer, Reason, Solution, SteadyRoot,
+    ErrorBound, Evidence, FilmLoss, LubricatedState, Model, NoAnswer, Reason, Solution, SteadyRoot,
     SteadyState, Transmission, to_both,
 };
 use crate::models::raceway_control::RacewayControl;
@@ -196,7 +196,7 @@ impl LubricatedBall {
         let begin = (ambient, surplus_cooling(ambient)?.0);
         let change = Bracket::first_change(begin, places, |kelvin| Ok(surplus_cooling(kelvin)?.0))?;
         let Some(bracket) = change else {
-            let evidence = crate::models::ball::Evidence::Traced { resolution: TEMPERATURE_STEP };
+            let evidence = Evidence::Traced { resolution: TEMPERATURE_STEP };
             let reason = Reason::LubricantRunsAway { hottest: MAX_TEMPERATURE };
             return Err(NoAnswer::none(evidence, reason));
         };

@@ -33,6 +33,10 @@ const SCAN_INTERVALS: u8 = 48;
 /// Number of interval boundaries at which the scan evaluates the static balance.
 const SAMPLES: usize = SCAN_INTERVALS as usize + 1;
 
+/// Minimum starting point of the scan for other roots, divided by the largest difference of the
+/// cotangents on the flanks (dimensionless).
+const MIN_SCAN_START: f64 = 1e-3;
+
 /// Minimum relative distance between another root and the first root (dimensionless).
 const MIN_ROOT_DISTANCE: f64 = 1e-6;
 
@@ -136,16 +140,8 @@ impl Balance<'_> {
         }
 
         // If Newton's method fails from equal contact angles, the root is found by bracketing.
-        let bracketed = self.bracketed()?;
-        let mut x = bracketed;
-        let report = self.run(&mut x, newton);
-        let steps = count_of(direct.steps) + report.steps.len();
-        // If two roots are close together, Newton's method may converge to the wrong root.
-        let change = (x[0] - bracketed[0]).abs();
-        if report.converged() && x[1] > 0.0 && change <= MAX_REFINEMENT * bracketed[0] {
-            return Ok(StaticRoot { unknowns: x, steps, residual: report.residual });
-        }
-        Err(NoAnswer::not_converged(Reason::from(report)))
+        let refined = self.refined(self.bracketed()?, newton)?;
+        Ok(StaticRoot { steps: count_of(direct.steps) + refined.steps, ..refined })
     }
 
     /// Returns true if a second root is provably excluded.
@@ -168,7 +164,7 @@ impl Balance<'_> {
         searched();
         let farthest = self.farthest();
         let difference = |c: f64| c - self.centrifugal(self.statics.rate_at(c));
-        let begin = (first * (1.0 + MIN_ROOT_DISTANCE)).max(1e-3 * farthest);
+        let begin = (first * (1.0 + MIN_ROOT_DISTANCE)).max(MIN_SCAN_START * farthest);
         let grow = (farthest / begin).powf(f64::from(SCAN_INTERVALS).recip());
         let mut samples = [begin; SAMPLES];
         for i in 1..SAMPLES {
@@ -182,24 +178,32 @@ impl Balance<'_> {
         for i in 1..SAMPLES {
             let (ends, values) = ([samples[i - 1], samples[i]], [at(i - 1), at(i)]);
             if let Some(root) = Bracket::new(ends, values).root(difference).root() {
-                found.extend(self.refined(root.x, newton));
+                found.extend(self.refined([root.x, self.statics.closed(root.x)], newton));
             }
         }
         found
     }
 
-    /// Returns the root near a given difference of the cotangents, or `None` if Newton's method
-    /// converges to a different root.
-    fn refined(&self, near: f64, newton: &mut Workspace<STATIC>) -> Option<StaticRoot> {
-        let mut x = [near, self.statics.closed(near)];
+    /// Refines a bracketed root by Newton's method.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Reason::Newton`] if Newton's method does not converge, or if it converges to a
+    /// different root.
+    fn refined(
+        &self,
+        bracketed: [f64; STATIC],
+        newton: &mut Workspace<STATIC>,
+    ) -> Result<StaticRoot, NoAnswer> {
+        let mut x = bracketed;
         let report = self.run(&mut x, newton);
-        let found =
-            report.converged() && x[1] > 0.0 && (x[0] - near).abs() <= MAX_REFINEMENT * near;
-        found.then_some(StaticRoot {
-            unknowns: x,
-            steps: report.steps.len(),
-            residual: report.residual,
-        })
+        // If two roots are close together, Newton's method may converge to the wrong root.
+        let change = (x[0] - bracketed[0]).abs();
+        if report.converged() && x[1] > 0.0 && change <= MAX_REFINEMENT * bracketed[0] {
+            let (steps, residual) = (report.steps.len(), report.residual);
+            return Ok(StaticRoot { unknowns: x, steps, residual });
+        }
+        Err(NoAnswer::not_converged(Reason::from(report)))
     }
 
     /// Returns the centrifugal term `$\mu\cos\alpha\,(P/W)^2$` of (W12).
@@ -226,7 +230,8 @@ impl Balance<'_> {
     }
 
     /// Returns the largest difference of the cotangents for which both contacts are on their
-    /// flanks. At this difference, the contact angle at the screw is 90 degrees.
+    /// flanks. At this difference, the contact angle at the screw is 90 degrees. If no such
+    /// difference is found, returns the square root of the largest double.
     fn farthest(&self) -> f64 {
         let difference = |cot: f64| {
             self.statics.contact(0, cot).radial_component() - self.statics.radial_distance

@@ -16,7 +16,7 @@ use super::root::LARGE_INERTIA;
 use crate::contact::POWER_BALANCE_TOL;
 use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{
-    BALL, BallState, EhlPoint, ElasticContacts, ElasticPoint, ROWS, Workspace, variables,
+    AnswerUnits, BALL, BallState, EhlPoint, ElasticContacts, ROWS, Workspace, variables,
 };
 use crate::models::workspace::ModelWorkspace;
 
@@ -102,9 +102,8 @@ pub struct TrainBall {
     accuracy: f64,
     creep: f64,
     uses_nut_angle: bool,
-    /// Units of the scaled quantities: axial load \[N\], ball radius \[m\] and relative speed
-    /// \[rad/s\].
-    units: [f64; 3],
+    /// Factors that convert scaled results to SI units.
+    units: AnswerUnits,
     /// Friction coefficient between balls.
     contact_friction: f64,
     free: TrainMotion,
@@ -188,9 +187,9 @@ impl TrainBall {
         contact_friction: f64,
         work: &mut ModelWorkspace,
     ) -> Option<Self> {
-        let ElasticPoint { point, .. } = case.at;
-        let units @ [load, _, speed] =
-            [point.load.axial, point.ball.radius, point.drive.relative_speed()];
+        let point = case.at.point;
+        let units = point.units();
+        let AnswerUnits { load, speed, .. } = units;
         let contacts = case.at.scaled().ok()?;
         let creep = case.creep * contacts.slip_scale();
         let [nut, screw] = [&free.nut, &free.screw];
@@ -248,7 +247,7 @@ impl TrainBall {
 
     /// Converts forces of the balls in front and behind \[N\] to scaled units.
     fn push(&self, pushes: [f64; 2]) -> Push {
-        let [load, ..] = self.units;
+        let load = self.units.load;
         let [front, back] = pushes.map(|push| push / load);
         Push { front, back, friction: self.contact_friction }
     }
@@ -310,7 +309,7 @@ impl TrainBall {
                 follow(&mut y, (0.0, 1.0), PUSH_STEPS, run).ok()?;
             }
             let (_, transmitted) = details?;
-            let [load, ..] = self.units;
+            let load = self.units.load;
             let mut by = |sides| {
                 let by_push = pushed.by_push(&y, sides, self.contact_friction).ok()?;
                 // c = −[J⁻¹ dr/dG]_p                                      (O5)
@@ -351,7 +350,7 @@ impl TrainBall {
         front: f64,
         work: &mut ModelWorkspace,
     ) -> Option<TrainMotion> {
-        let [load, ..] = self.units;
+        let load = self.units.load;
         let [begin, before] = from.pushes;
         let back = from.back_push(rate, front);
         let solved = |is_near: bool, ball: &SlipBall<'_>, newton: &mut Workspace| {
@@ -417,7 +416,7 @@ impl TrainBall {
         pushes: [f64; 2],
         transmitted: &PowerFlow,
     ) -> Option<TrainMotion> {
-        let [load, radius, speed] = self.units;
+        let AnswerUnits { length: radius, load, speed, .. } = self.units;
         let push = self.push(pushes);
         let loaded = ball.loaded(&unknowns).ok()?;
         let to_nut = ball.motion_to_nut(&unknowns, &loaded);
@@ -440,16 +439,15 @@ impl TrainBall {
     /// Returns the net power \[W\] that the screw and the axial forces supply to the ball in a
     /// given motion.
     pub fn power_in(&self, motion: &TrainMotion) -> f64 {
-        let [load, radius, speed] = self.units;
+        let AnswerUnits { length: radius, load, speed, .. } = self.units;
         let per_radian = self.contacts.helix.lead() * radius / TAU;
         (motion.screw_torque - per_radian * (load + motion.axial_push)) * speed
     }
 
     /// Returns the friction power between the ball and its neighbors \[W\].
     pub fn contact_power(&self, motion: &TrainMotion) -> f64 {
-        let [_, radius, _] = self.units;
         let [front, back] = motion.pushes;
-        self.contact_friction * radius * (front + back) * motion.rotation
+        self.contact_friction * self.units.length * (front + back) * motion.rotation
     }
 
     /// Returns true if a motion satisfies the power balance of the ball (O4).
@@ -457,7 +455,7 @@ impl TrainBall {
     /// If the push forces far exceed the forces that a ball can withstand, Newton's method may
     /// converge to a state that violates the power balance.
     fn is_balanced(&self, motion: &TrainMotion) -> bool {
-        let [_, radius, speed] = self.units;
+        let AnswerUnits { length: radius, speed, .. } = self.units;
         let [front, back] = motion.pushes;
         let travel = self.contacts.scaled.arc * radius * motion.rate * speed.abs();
         let friction_power = self.contact_power(motion);
