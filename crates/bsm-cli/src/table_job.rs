@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use bsm_batch::dataset::{self, Dataset, Event, Plan, RunOptions};
 use bsm_batch::dataset::{DatasetError, PartDefect, Points, sha256};
 use bsm_batch::{
-    AnswerSink, Answers, Cell, Chunk, ColumnUnits, ConvertingSink, Count, CsvSource, Format,
-    RunError, Source, TableError, TableFormat, TableHead, TableSink, Task, Workers,
+    AnswerSink, Answers, Cell, Chunk, ColumnHead, ColumnUnits, ConvertingSink, Count, CsvSource,
+    Format, RunError, Source, TableError, TableFormat, TableSink, Task, Workers,
 };
 use bsm_case::{
     Axis, ColumnValues, DisplayUnits, Grid, ModelChoice, Output as Column, ShownColumn, exact,
@@ -412,7 +412,7 @@ pub(crate) fn write_columns<'a>(
         Form::Table(format) => {
             let out = Output::create(path)?;
             let written = move || {
-                let head = |ShownColumn { name, unit, .. }: &'a ShownColumn| TableHead {
+                let head = |ShownColumn { name, unit, .. }: &'a ShownColumn| ColumnHead {
                     name,
                     unit: unit.text,
                     is_text: false,
