@@ -339,10 +339,10 @@ mod tests {
             assert!((root.at - at).abs() < 1e-12, "{found:?}");
             assert!((root.slope - slope).abs() < 1.1e-4 * at, "{found:?}");
         }
-        let line = |x: f64| Ok::<_, SearchError>(x);
+        let line = |x: f64| Ok::<_, SearchError>(2.0 * x);
         let found = sign_changes(line, (0.0, 4.0)).expect("a line");
         assert!(found.roots.len() == 1 && found.roots[0].at == 0.0, "{found:?}");
-        assert!((found.roots[0].slope - 1.0).abs() < 1e-12, "{found:?}");
+        assert!((found.roots[0].slope - 2.0).abs() < 1e-12, "{found:?}");
     }
 
     /// A step from -1 to 2 does not count as a root, neither at 3 nor at zero, but a steep ramp at 3
