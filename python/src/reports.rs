@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use bsm_batch::{TableError, TableHead, TableSink};
+use bsm_batch::{ColumnHead, TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOG, Calibration, CaseError, Catalog, ColumnValues, Content, DRAWS,
     DesignReport, EllipseFields, Fit, FittedInput, ListColumn, ManufacturerNut, ManufacturerRow,
@@ -351,7 +351,7 @@ pub(crate) fn write_numbers(
     let write = || -> Result<(), TableError> {
         let file = beside(&path)?;
         let heads =
-            names.iter().map(|Output { name, unit, .. }| TableHead { name, unit, is_text: false });
+            names.iter().map(|Output { name, unit, .. }| ColumnHead { name, unit, is_text: false });
         let mut sink = TableSink::of_columns(format, file, heads)?;
         let len = columns.first().map_or(0, |(_, values)| values.0.len());
         for first in (0..len).step_by(PART) {

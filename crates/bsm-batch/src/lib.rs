@@ -73,7 +73,7 @@ pub use pipeline::{Count, ROWS, RunError, Workers};
 pub use rows::{Answers, Cell, Cells, Chunk, Verdict};
 pub use solve::{Buffers, RowReport};
 pub use source::{GridSource, PointSet, PointSource, Source};
-pub use table::{ABOUT, Format, TableHead, TableSink};
+pub use table::{ABOUT, ColumnHead, Format, TableSink};
 pub use task::Task;
 pub use text::{CsvSource, JsonSource};
 

@@ -75,7 +75,7 @@ impl Format {
 
 /// Name, unit and type of a column in a table that does not contain solved points.
 #[derive(Debug, Clone, Copy)]
-pub struct TableHead<'a> {
+pub struct ColumnHead<'a> {
     /// Column name.
     pub name: &'a str,
     /// Unit of the column as text.
@@ -88,10 +88,10 @@ pub struct TableHead<'a> {
 pub struct TableSink<W: Write + Send> {
     schema: SchemaRef,
     outputs: Vec<&'static Output>,
-    file: Form<W>,
+    encoder: Encoder<W>,
 }
 
-enum Form<W: Write + Send> {
+enum Encoder<W: Write + Send> {
     Text(TextSink<W>),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetSink<W>>),
@@ -139,9 +139,9 @@ impl<W: Write + Send> TableSink<W> {
     pub fn of_columns<'a>(
         format: Format,
         out: W,
-        heads: impl IntoIterator<Item = TableHead<'a>>,
+        heads: impl IntoIterator<Item = ColumnHead<'a>>,
     ) -> Result<Self, TableError> {
-        let fields = heads.into_iter().map(|TableHead { name, unit, is_text }| {
+        let fields = heads.into_iter().map(|ColumnHead { name, unit, is_text }| {
             if is_text { Field::new(name, DataType::Utf8, true) } else { field(name, unit) }
         });
         let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
@@ -154,13 +154,13 @@ impl<W: Write + Send> TableSink<W> {
         schema: SchemaRef,
         table_format: &TableFormat,
     ) -> Result<Self, TableError> {
-        let file = match format {
-            Format::Csv => Form::Text(TextSink::csv(out, &schema, table_format)?),
-            Format::JsonLines => Form::Text(TextSink::json_lines(out, &schema)),
+        let encoder = match format {
+            Format::Csv => Encoder::Text(TextSink::csv(out, &schema, table_format)?),
+            Format::JsonLines => Encoder::Text(TextSink::json_lines(out, &schema)),
             #[cfg(feature = "parquet")]
-            Format::Parquet => Form::Parquet(Box::new(ParquetSink::new(out, schema.clone())?)),
+            Format::Parquet => Encoder::Parquet(Box::new(ParquetSink::new(out, schema.clone())?)),
         };
-        Ok(Self { schema, outputs: Vec::new(), file })
+        Ok(Self { schema, outputs: Vec::new(), encoder })
     }
 
     /// Writes rows. The values of each column are given as a list, and all lists have the same
@@ -179,10 +179,10 @@ impl<W: Write + Send> TableSink<W> {
     }
 
     fn write_table(&mut self, table: &RecordBatch, chunk: &Chunk) -> Result<(), TableError> {
-        match &mut self.file {
-            Form::Text(sink) => sink.write(table, chunk),
+        match &mut self.encoder {
+            Encoder::Text(sink) => sink.write(table, chunk),
             #[cfg(feature = "parquet")]
-            Form::Parquet(sink) => sink.write(table),
+            Encoder::Parquet(sink) => sink.write(table),
         }
     }
 
@@ -209,10 +209,10 @@ impl<W: Write + Send> TableSink<W> {
         self,
         keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,
     ) -> Result<W, TableError> {
-        match self.file {
-            Form::Text(sink) => sink.finish(),
+        match self.encoder {
+            Encoder::Text(sink) => sink.finish(),
             #[cfg(feature = "parquet")]
-            Form::Parquet(sink) => sink.finish(keys),
+            Encoder::Parquet(sink) => sink.finish(keys),
         }
     }
 }

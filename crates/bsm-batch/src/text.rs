@@ -86,18 +86,18 @@ impl<R: Read + Send> Source for CsvSource<R> {
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let Self { lines, columns, targets, delimiter, decimal, .. } = self;
         let mut chunk = ChunkBuilder::new(self.row + 1, columns, rows);
-        let mut text = 0;
+        let mut text_bytes = 0;
         // In a table with a single text column, a line of spaces is a row with one cell. In all
         // other tables, a line that consists only of delimiters is a row of empty cells.
         let is_text = matches!(targets[..], [CellTarget::Kept(_)]);
-        while chunk.len() < rows && text < MAX_TEXT_BYTES {
+        while chunk.len() < rows && text_bytes < MAX_TEXT_BYTES {
             let line = lines.number() + 1;
             let is_blank = |line: &[u8]| {
                 let is_row = is_text && !line.is_empty() || line.contains(&(*delimiter as u8));
                 !is_row && line.trim_ascii().is_empty()
             };
             let Some(row) = lines.next_but(is_blank)? else { break };
-            text += row.len();
+            text_bytes += row.len();
             let found = split(row, *delimiter, line, |index, cell| match targets.get(index) {
                 Some(CellTarget::Input(input)) => chunk.input(*input, &parse(&cell, *decimal)),
                 Some(CellTarget::Kept(column)) => chunk.keep(*column, Some(&cell)),
@@ -158,8 +158,8 @@ impl<R: Read + Send> Source for JsonSource<R> {
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError> {
         let Self { lines, columns, .. } = self;
         let mut chunk = ChunkBuilder::new(self.row + 1, columns, rows);
-        let mut text = 0;
-        while chunk.len() < rows && text < MAX_TEXT_BYTES {
+        let mut text_bytes = 0;
+        while chunk.len() < rows && text_bytes < MAX_TEXT_BYTES {
             let next = match self.first.take() {
                 Some(first) => Some((first, 0)),
                 None => object(lines)?,
@@ -193,7 +193,7 @@ impl<R: Read + Send> Source for JsonSource<R> {
                 return Err(TableError::Malformed(message));
             }
             chunk.end_row();
-            text += length;
+            text_bytes += length;
         }
         self.row += chunk.len() as u64;
         Ok(chunk.finish())

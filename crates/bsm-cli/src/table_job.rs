@@ -10,8 +10,8 @@ use bsm_batch::Cell;
 use bsm_batch::dataset::{self, Dataset, Event, Plan, RunOptions};
 use bsm_batch::dataset::{DatasetError, PartDefect, Points, sha256};
 use bsm_batch::{
-    AnswerSink, Answers, Chunk, ColumnUnits, ConvertingSink, Count, CsvSource, Format, RunError,
-    Source, TableError, TableFormat, TableHead, TableSink, Task, Workers,
+    AnswerSink, Answers, Chunk, ColumnHead, ColumnUnits, ConvertingSink, Count, CsvSource, Format,
+    RunError, Source, TableError, TableFormat, TableSink, Task, Workers,
 };
 use bsm_case::{
     ColumnValues, DisplayUnits, Grid, GridAxis, ModelChoice, Output, ShownColumn, exact,
@@ -414,7 +414,7 @@ pub(crate) fn write_columns<'a>(
         Form::Table(format) => {
             let out = OutputFile::create(path)?;
             let written = move || {
-                let head = |ShownColumn { name, unit, .. }: &'a ShownColumn| TableHead {
+                let head = |ShownColumn { name, unit, .. }: &'a ShownColumn| ColumnHead {
                     name,
                     unit: unit.text,
                     is_text: false,

@@ -610,7 +610,8 @@ fn changes_of_sign<const N: usize>(ends: [f64; 2], of: impl Fn(f64) -> [f64; N])
         let values = ends.map(&of);
         for number in 0..N {
             let values = values.map(|values| values[number]);
-            if values[0] * values[1] < 0.0 {
+            // A product of the values would miss a root at which one value is exactly zero.
+            if (values[0] < 0.0) != (values[1] < 0.0) {
                 let bracket = Bracket::new(ends, values);
                 let root = bracket.root(|place| of(place)[number]);
                 found.extend(root.root().map(|root| root.x));
@@ -787,6 +788,16 @@ mod tests {
             50.0 * (0.1 * advance * 1250.0 + 0.3),
             max_relative = 1e-12
         );
+    }
+
+    /// The range has 16 parts, so the root at its middle is one of the evaluated points.
+    #[test]
+    fn sign_change_at_an_evaluated_point_is_found() {
+        for ends in [[-1.0, 1.0], [1.0, -1.0]] {
+            for sign in [1.0, -1.0] {
+                assert_eq!(changes_of_sign(ends, |place| [sign * place]), [0.0]);
+            }
+        }
     }
 
     /// Hand calculation: for a load from 0 to 20 kN, the mean of the cubed load is 20³/4. For a

@@ -110,6 +110,10 @@ pub fn sign_changes<E: Into<SearchError>>(
         (0..=CROSSING_STEPS).map(|i| grid_point(range, i, CROSSING_STEPS)).collect();
     let values = points.iter().map(|x| function(*x)).collect::<Result<Vec<_>, _>>()?;
     let (mut roots, mut jumps) = (Vec::new(), Vec::new());
+    if values[0] == 0.0 {
+        let (at, width) = (points[0], points[1] - points[0]);
+        roots.push(SignChange { at, slope: slope_at(&function, at, width, range)? });
+    }
     for (x, v) in points.windows(2).zip(values.windows(2)) {
         // A root at the common end point of two intervals belongs to the first interval.
         let root = if v[1] == 0.0 {
@@ -122,21 +126,35 @@ pub fn sign_changes<E: Into<SearchError>>(
         let Some(at) = root else { continue };
         // Near a root, a continuous function changes only slightly over the tolerance of the root
         // finder. A larger change indicates a jump.
-        let near = 1e-9 * at.abs();
+        let near = 1e-9 * at.abs().max(x[1] - x[0]);
         let change = function(at + near)? - function(at - near)?;
         if change.abs() > JUMP * (v[1] - v[0]).abs() && v[1] != 0.0 {
             jumps.push(at);
             continue;
         }
-        let step = 1e-4 * at.abs();
-        let slope = (function(at + step)? - function(at - step)?) / (2.0 * step);
-        roots.push(SignChange { at, slope });
+        roots.push(SignChange { at, slope: slope_at(&function, at, x[1] - x[0], range)? });
     }
     let known: Vec<_> = values.iter().copied().filter(|v| v.is_finite()).collect();
     let least = known.iter().copied().reduce(f64::min);
     #[expect(clippy::cast_precision_loss, reason = "a few points")]
     let share = known.len() as f64 / points.len() as f64;
     Ok(SignChanges { roots, jumps, values: least.zip(known.into_iter().reduce(f64::max)), share })
+}
+
+/// Returns the derivative of a function at a root, calculated as a difference quotient. At an end
+/// of the range, the difference is one-sided, because the function may be undefined beyond the end.
+///
+/// * `width`: distance between the grid points next to the root. It determines the step if the root
+///   is zero or close to zero.
+fn slope_at<E>(
+    function: impl Fn(f64) -> Result<f64, E>,
+    at: f64,
+    width: f64,
+    (low, high): (f64, f64),
+) -> Result<f64, E> {
+    let step = 1e-4 * at.abs().max(width);
+    let ends = [(at - step).max(low), (at + step).min(high)];
+    Ok((function(ends[1])? - function(ends[0])?) / (ends[1] - ends[0]))
 }
 
 /// Returns grid point `i` of `steps`. If the range is positive, the grid points form a geometric
@@ -228,8 +246,8 @@ pub fn minimize(function: impl Fn(&[f64]) -> Value, start: &[f64]) -> Vec<f64> {
         };
         best = inside(&simplex(&lagrangian, &best, size));
         let Value { violations, .. } = function(&best);
-        for (multiplier, violations) in multipliers.iter_mut().zip(&violations) {
-            *multiplier = (*multiplier + weight * finite(*violations)).max(0.0);
+        for (multiplier, violation) in multipliers.iter_mut().zip(&violations) {
+            *multiplier = (*multiplier + weight * finite(*violation)).max(0.0);
         }
         let now = violations.iter().map(|g| finite(*g)).fold(0.0, f64::max);
         if now > 0.3 * largest_violation {
@@ -286,7 +304,7 @@ mod tests {
         // Roots are refined to 1e-10 of the interval. The error of the derivative is of the order
         // of the squared step.
         let near = |root: &SignChange, at: f64, slope: f64| {
-            (root.at - at).abs() < 1e-9 && (at == 0.0 || (root.slope - slope).abs() < 1e-6)
+            (root.at - at).abs() < 1e-9 && (root.slope - slope).abs() < 1e-6
         };
         let expected = [(0.0, 1.0), (PI, -1.0), (2.0 * PI, 1.0)];
         assert!(all.roots.len() == 3, "{all:?}");
@@ -305,7 +323,30 @@ mod tests {
         );
     }
 
-    /// A step from -1 to 2 at 3 does not count as a root, but a steep ramp at 3 has a root.
+    /// The parabola has its roots at both ends of the range, and is undefined outside the range.
+    #[test]
+    fn roots_at_both_ends_of_the_range_are_found() {
+        let parabola = |x: f64| {
+            let inside = (1.0..=4.0).contains(&x);
+            Ok::<_, SearchError>(if inside { (x - 1.0) * (4.0 - x) } else { f64::NAN })
+        };
+        let found = sign_changes(parabola, (1.0, 4.0)).expect("a parabola");
+        let expected = [(1.0, 3.0), (4.0, -3.0)];
+        assert!(found.roots.len() == 2 && found.jumps.is_empty(), "{found:?}");
+        for (root, (at, slope)) in found.roots.iter().zip(expected) {
+            // The error of the one-sided difference is the step, which is 1e-4 times the root, times
+            // half the second derivative, which is -1.
+            assert!((root.at - at).abs() < 1e-12, "{found:?}");
+            assert!((root.slope - slope).abs() < 1.1e-4 * at, "{found:?}");
+        }
+        let line = |x: f64| Ok::<_, SearchError>(2.0 * x);
+        let found = sign_changes(line, (0.0, 4.0)).expect("a line");
+        assert!(found.roots.len() == 1 && found.roots[0].at == 0.0, "{found:?}");
+        assert!((found.roots[0].slope - 2.0).abs() < 1e-12, "{found:?}");
+    }
+
+    /// A step from -1 to 2 does not count as a root, neither at 3 nor at zero, but a steep ramp at 3
+    /// has a root.
     #[test]
     fn a_jump_across_zero_does_not_count_as_a_root() {
         let step = |x: f64| Ok::<_, SearchError>(if x < 3.0 { -1.0 } else { 2.0 });
@@ -313,6 +354,9 @@ mod tests {
         assert!(found.roots.is_empty(), "{found:?}");
         // The jump is located to the tolerance of the root finder.
         assert!(found.jumps.len() == 1 && (found.jumps[0] - 3.0).abs() < 1e-9, "{found:?}");
+        let sign = |x: f64| Ok::<_, SearchError>(if x < 0.0 { -1.0 } else { 2.0 });
+        let found = sign_changes(sign, (-1.0, 7.1)).expect("values");
+        assert!(found.roots.is_empty() && found.jumps.len() == 1, "{found:?}");
         let ramp = |x: f64| Ok::<_, SearchError>((1e3 * (x - 3.0)).clamp(-1.0, 2.0));
         let found = sign_changes(ramp, (1.0, 7.0)).expect("values");
         assert!(found.jumps.is_empty() && found.roots.len() == 1, "{found:?}");

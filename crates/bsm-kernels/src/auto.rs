@@ -14,8 +14,8 @@ use bsm_simd::{Arch, Simd, WithSimd};
 
 use crate::contacts::UnitsCall;
 use crate::elastic::ElasticKernel;
+use crate::inputs::{Lane, LaneInputs, MAX_BLOCK, ValidCall};
 use crate::kernel::{Kernel, OutputColumn, RowChoice, RowKernel, Rows, Selection, Sink};
-use crate::operand::{Lane, LaneInputs, MANY, ValidCall};
 use crate::raceway::{RacewayKernel, RacewayRow};
 
 /// Outputs that the model selection requires in addition to the requested outputs.
@@ -162,7 +162,7 @@ impl WithSimd for RollingRows<'_, '_, '_> {
         let Rows { inputs, wanted, first, columns, done } = self.0;
         let mut solved = Vec::with_capacity(done.len());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
-            let given = LaneInputs { simd, inputs, row: *first + row };
+            let given = LaneInputs { simd, columns: inputs, row: *first + row };
             let (units, contacts) = simd.vectorize(UnitsCall(&given));
             let mut out = Sink { wanted, columns, row };
             let ball = simd.vectorize(RacewayRow {
@@ -179,7 +179,7 @@ impl WithSimd for RollingRows<'_, '_, '_> {
                 ModelErrors::of(&sliding, back, ball.efficiency, ball.skid, ball.cotangents);
             let known = errors.onset_number.lt(friction.constant(f64::INFINITY));
             let valid = simd.vectorize(ValidCall { given: &given, model: RacewayKernel::MODEL });
-            let [mut found, mut unique] = [[false; MANY]; 2];
+            let [mut found, mut unique] = [[false; MAX_BLOCK]; 2];
             (ball.found & known & valid).store(&mut found);
             ball.unique.store(&mut unique);
             let lanes = [
@@ -190,7 +190,7 @@ impl WithSimd for RollingRows<'_, '_, '_> {
                 errors.skidding,
                 errors.range,
             ];
-            let mut blocks = [[0.0; MANY]; 6];
+            let mut blocks = [[0.0; MAX_BLOCK]; 6];
             for (block, lane) in blocks.iter_mut().zip(lanes) {
                 lane.store(block);
             }

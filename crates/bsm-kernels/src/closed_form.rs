@@ -10,8 +10,8 @@ use bsm_dyn::{
 use bsm_kin::Real;
 use bsm_simd::Simd;
 
+use crate::inputs::{Lane, LaneInputs, Mask};
 use crate::kernel::{Kernel, Sink};
-use crate::operand::{Lane, LaneInputs, Mask};
 
 pub(super) struct ClosedFormKernel;
 

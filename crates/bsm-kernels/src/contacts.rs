@@ -6,8 +6,8 @@ use bsm_dyn::internals::{BallContacts, ElasticMotion, LoadedContact, ScaledSize}
 use bsm_dyn::{SteadyState, lubrication::FilmState, model::ErrorBound, solution::Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 
+use crate::inputs::{Lane, LaneInputs};
 use crate::kernel::Sink;
-use crate::operand::{Lane, LaneInputs};
 use crate::units::{Units, modulus};
 
 /// Ball and contacts at each point of a block. Quantities are divided by ball radius, axial load

@@ -7,8 +7,8 @@ use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
+use crate::inputs::{Lane, LaneInputs, Mask};
 use crate::kernel::{Kernel, Sink};
-use crate::operand::{Lane, LaneInputs, Mask};
 use crate::rigid::slip_angles;
 
 pub(super) struct ElasticKernel;

@@ -4,7 +4,7 @@ use bsm_case::{OUTPUTS, Output, SolutionOutput, store_outputs};
 use bsm_dyn::{Model, SteadyState, model::Choice};
 use bsm_simd::{Simd, WithSimd};
 
-use crate::operand::{InputColumns, Lane, LaneInputs, Mask, ValidCall};
+use crate::inputs::{InputColumns, Lane, LaneInputs, Mask, ValidCall};
 
 /// A model that can be solved directly for a block of points. A block consists of the points in one
 /// [`Lane`].
@@ -188,7 +188,7 @@ impl<K: Kernel> WithSimd for RowKernel<'_, '_, K> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Rows { inputs, wanted, first, columns, done } = self.rows;
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
-            let given = LaneInputs { simd, inputs, row: first + row };
+            let given = LaneInputs { simd, columns: inputs, row: first + row };
             let mut out = Sink { wanted, columns: &mut *columns, row };
             let solved = self.kernel.solve(&given, &mut out);
             let valid = simd.vectorize(ValidCall { given: &given, model: K::MODEL });

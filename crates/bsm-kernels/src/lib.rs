@@ -10,8 +10,8 @@ mod auto;
 mod closed_form;
 mod contacts;
 mod elastic;
+mod inputs;
 mod kernel;
-mod operand;
 mod quasi_static;
 mod raceway;
 mod rigid;
@@ -28,8 +28,8 @@ use self::quasi_static::QuasiStaticKernel;
 use self::raceway::RacewayKernel;
 use self::rigid::RigidKernel;
 
+pub use self::inputs::{InputColumn, InputColumns, is_plain};
 pub use self::kernel::{OutputColumn, RowChoice, Rows, Selection};
-pub use operand::{InputColumn, InputColumns, is_plain};
 
 impl Rows<'_, '_> {
     /// Solves all rows for which the model has a direct solution. For `auto`, returns the selected

@@ -8,8 +8,8 @@ use bsm_kin::Real;
 use bsm_simd::Simd;
 
 use crate::closed_form::{backwards, screw_size};
+use crate::inputs::{LaneInputs, Mask};
 use crate::kernel::{Kernel, Sink};
-use crate::operand::{LaneInputs, Mask};
 
 pub(super) struct QuasiStaticKernel;
 

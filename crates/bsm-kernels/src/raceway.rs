@@ -15,8 +15,8 @@ use bsm_simd::{NullaryFnOnce, Simd};
 use self::friction::Ellipse;
 use self::oil::OilLane;
 use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
+use crate::inputs::{Lane, LaneInputs, Mask};
 use crate::kernel::{Kernel, Sink};
-use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
 /// Direct solution at each point of a block.
@@ -134,7 +134,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         out.set(SolutionOutput::residual_norm, state.residual);
         out.set(SolutionOutput::controlling_raceway, state.by_nut.select(zero, zero + 1.0));
         // If the balls are lubricated, the model does not search for further solutions.
-        if given.inputs.lubricant.is_none() {
+        if given.columns.lubricant.is_none() {
             if control.is_none() {
                 out.set(SolutionOutput::control_consistent, one);
             }

@@ -9,8 +9,8 @@ use bsm_dyn::Model;
 use bsm_dyn::internals::{Plane, RigidBall, friction_angle};
 use bsm_simd::Simd;
 
+use crate::inputs::{Lane, LaneInputs, Mask};
 use crate::kernel::{Kernel, Sink};
-use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
 /// Outputs for the directions of friction. They are calculated only on request, because each

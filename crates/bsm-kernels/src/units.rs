@@ -8,7 +8,7 @@ use bsm_dyn::{Ball, Material, hertz::contact_modulus};
 use bsm_kin::Drive;
 use bsm_simd::Simd;
 
-use crate::operand::{Lane, LaneInputs};
+use crate::inputs::{Lane, LaneInputs};
 
 /// Inputs in SI units, from which the dimensionless quantities are calculated, and the
 /// dimensionless ball mass.

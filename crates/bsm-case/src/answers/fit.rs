@@ -553,6 +553,8 @@ impl Fit {
         let mut ends: Vec<_> = [low, high].into_iter().chain(jumps.iter().copied()).collect();
         ends.extend(roots.iter().map(|root| root.at));
         ends.sort_by(f64::total_cmp);
+        // A root may be at an end of the range.
+        ends.dedup();
         let mut kept = Vec::new();
         for part in ends.windows(2) {
             if excess(0.5 * (part[0] + part[1]))? >= 0.0 {

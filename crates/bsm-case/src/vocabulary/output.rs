@@ -351,11 +351,11 @@ outputs! {
             "axial displacement of the nut";
         "ball precession about the axis" ["rad/s" "omega_m"] Number: ball_precession_rad_s whole = |s, _| Some(s.ball.motion.as_ref()?.precession),
             "precession, the angular velocity of the ball center about the screw axis";
-        "ball angular velocity about the tangent t" ["rad/s"] Number: ball_omega_t_rad_s whole = |s, _| omega(s, 0),
+        "ball angular velocity along the tangent t" ["rad/s"] Number: ball_omega_t_rad_s whole = |s, _| omega(s, 0),
             "angular velocity of the ball, component along the helix";
-        "ball rotation towards the axis n" ["rad/s"] Number: ball_omega_n_rad_s whole = |s, _| omega(s, 1),
+        "ball angular velocity along the normal n" ["rad/s"] Number: ball_omega_n_rad_s whole = |s, _| omega(s, 1),
             "angular velocity of the ball, component towards the axis of the screw";
-        "ball rotation along the binormal b" ["rad/s"] Number: ball_omega_b_rad_s whole = |s, _| omega(s, 2),
+        "ball angular velocity along the binormal b" ["rad/s"] Number: ball_omega_b_rad_s whole = |s, _| omega(s, 2),
             "angular velocity of the ball, component along the binormal of the helix";
         "skid number" [""] Number: skid_number whole = |s, _| s.skid.as_ref()?.skid_number,
             "gyroscopic moment divided by friction moment of a rolling ball";

@@ -11,7 +11,7 @@ use bsm_dyn::{
 };
 use bsm_simd::Simd;
 
-use crate::operand::{Lane, Mask};
+use crate::inputs::{Lane, Mask};
 
 static RULE: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::of(RacewayControl::ACCURACY));
 

@@ -14,7 +14,7 @@ use bsm_simd::Simd;
 use super::friction::Ellipse;
 use super::{RollingMotion, RollingRoot};
 use crate::contacts::Contacts;
-use crate::operand::{Lane, LaneInputs, Mask};
+use crate::inputs::{Lane, LaneInputs, Mask};
 use crate::units::{Units, modulus};
 
 /// Friction losses of lubricated rolling balls.
@@ -38,7 +38,7 @@ impl<S: Simd> OilLane<S> {
         (state, motion): (&RollingRoot<S>, &RollingMotion<S>),
         [nut, screw]: [&Ellipse<S>; 2],
     ) -> Option<Self> {
-        let (one, friction) = given.inputs.lubricant.as_ref()?;
+        let (one, friction) = given.columns.lubricant.as_ref()?;
         let kelvin = given.get(InputKey::lubricant_temperature_C) + ZERO_CELSIUS;
         let splat = one.map(
             #[inline(always)]

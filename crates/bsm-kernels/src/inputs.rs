@@ -17,7 +17,7 @@ pub(crate) type Mask<S> = bsm_simd::Mask<S, UNROLL>;
 
 /// Maximum number of points in a block, which is the number of points in a [`Lane`] with the widest
 /// instruction set.
-pub(crate) const MANY: usize = UNROLL * BLOCK;
+pub(crate) const MAX_BLOCK: usize = UNROLL * BLOCK;
 
 /// Values of one input for all points.
 #[derive(Debug)]
@@ -35,9 +35,9 @@ pub enum InputColumn<'a> {
 /// Inputs that one model needs at several points.
 #[derive(Debug)]
 pub struct InputColumns<'a> {
-    inputs: [InputColumn<'a>; INPUTS.len()],
+    values: [InputColumn<'a>; INPUTS.len()],
     /// Indices of all inputs that are columns, which means that each point has its own value.
-    columns: Vec<usize>,
+    varying: Vec<usize>,
     /// Lubricant (without its temperature) and method for calculating the raceway friction; `None`
     /// for a constant friction coefficient.
     pub(crate) lubricant: Option<(Lubricant, RacewayFriction)>,
@@ -49,12 +49,12 @@ impl<'a> InputColumns<'a> {
     /// * `lubricant`: lubricant (without its temperature) and method for calculating the raceway
     ///   friction; `None` for a constant friction coefficient.
     pub fn new(
-        inputs: [InputColumn<'a>; INPUTS.len()],
+        values: [InputColumn<'a>; INPUTS.len()],
         lubricant: Option<(Lubricant, RacewayFriction)>,
     ) -> Self {
-        let is_column = |index: &usize| matches!(inputs[*index], InputColumn::Column(..));
-        let columns = (0..inputs.len()).filter(is_column).collect();
-        Self { inputs, columns, lubricant }
+        let is_column = |index: &usize| matches!(values[*index], InputColumn::Column(..));
+        let varying = (0..values.len()).filter(is_column).collect();
+        Self { values, varying, lubricant }
     }
 
     /// Returns the inputs of the points with the given indices.
@@ -67,8 +67,8 @@ impl<'a> InputColumns<'a> {
             }
         };
         Self {
-            inputs: self.inputs.each_ref().map(input),
-            columns: self.columns.clone(),
+            values: self.values.each_ref().map(input),
+            varying: self.varying.clone(),
             lubricant: self.lubricant,
         }
     }
@@ -93,7 +93,7 @@ pub fn is_plain<F: Real>(value: F) -> F::Mask {
 #[derive(Clone, Copy)]
 pub(crate) struct LaneInputs<'a, S> {
     pub(crate) simd: S,
-    pub(crate) inputs: &'a InputColumns<'a>,
+    pub(crate) columns: &'a InputColumns<'a>,
     /// Row index of the first point in the block.
     pub(crate) row: usize,
 }
@@ -109,7 +109,7 @@ impl<S: Simd> LaneInputs<'_, S> {
     /// for this input.
     #[inline(always)]
     pub(crate) fn try_get(&self, key: InputKey) -> Option<Lane<S>> {
-        match &self.inputs.inputs[key as usize] {
+        match &self.columns.values[key as usize] {
             InputColumn::Absent => None,
             InputColumn::Constant(value) => Some(Lane::splat(self.simd, *value)),
             InputColumn::Column(_, values) => Some(self.load(values)),
@@ -165,8 +165,8 @@ impl<S: Simd> LaneInputs<'_, S> {
         let zero = Lane::splat(self.simd, 0.0);
         let mut valid = zero.mask(true);
         // Only columns are checked here, because constants were checked when they were read.
-        for index in &self.inputs.columns {
-            let InputColumn::Column(rule, values) = &self.inputs.inputs[*index] else { continue };
+        for index in &self.columns.varying {
+            let InputColumn::Column(rule, values) = &self.columns.values[*index] else { continue };
             let x = self.load(values);
             valid = valid & is_plain(x) & rule.holds(x);
         }
