@@ -227,7 +227,7 @@ impl<F: Real> GrooveContact<F> {
         let one = cos_b.constant(1.0);
         let curvatures = groove.curvatures_at(size.radius, one, tan_a, cos_b);
         let target = curvatures.longitudinal / curvatures.transverse;
-        let practice = one.le(target) & target.le(one.constant(Axes::<F>::PRACTICE));
+        let practice = one.le(target) & target.le(one.constant(Axes::<F>::MAX_PRACTICAL_RATIO));
         let contact = Self {
             offset: groove.offset(one),
             pressed_radius: pressed_radius(groove.conformity, one),
