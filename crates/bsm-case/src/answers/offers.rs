@@ -126,7 +126,7 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         let limit = one.or(other).and_then(|rule| rule.limit);
         let better = better(margin, other_margin, false);
         OfferedRule {
-            rule: *title,
+            rule: title,
             unit: one.or(other).map_or("", |rule| rule.unit.text),
             limit,
             first: value(one),
