@@ -136,7 +136,7 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         let verdict = |rule: Option<&Criterion>| rule.map(|rule| rule.verdict().word());
         let better = better(margin, other_margin, false);
         OfferedRule {
-            rule: *title,
+            rule: title,
             unit: one.or(other).map_or("", |rule| rule.unit.text),
             first: value(one),
             first_limit: limit(one),
