@@ -371,9 +371,10 @@ impl Requirement {
         rules.extend(axis.preload.map(|x| rule(DesignQuantity::Preload, x, largest)));
         let (ratio, largest) = (axis.critical_speed_ratio(), most(Some(self.speed_ratio)));
         rules.extend(ratio.map(|x| rule(DesignQuantity::CriticalSpeedRatio, x, largest)));
-        let safety = match self.mount.may_be_unguided() {
-            true => axis.buckling_safety_of_support(),
-            false => axis.buckling_safety(),
+        let safety = if self.mount.may_be_unguided() {
+            axis.buckling_safety_of_support()
+        } else {
+            axis.buckling_safety()
         };
         let smallest = least(Some(self.buckling_safety));
         rules.extend(safety.map(|x| rule(DesignQuantity::BucklingSafety, x, smallest)));
