@@ -224,7 +224,7 @@ fn columns_of_a_nut_without_balls_are_rejected_before_solving() {
 /// Results of analyses are never calculated by a kernel. If they are requested, all other columns
 /// must remain bit-identical.
 #[test]
-fn requested_analyses_do_not_change_other_columns() {
+fn requesting_columns_of_an_analysis_does_not_change_other_columns() {
     let grid = grid(&["screw_speed_rpm=100:5000:20", "axial_load_N=500:20000:10"]);
     for model in [Model::QuasiStatic, Model::RacewayControl, Model::Rigid] {
         let task = |names: &[&str]| {
@@ -350,7 +350,7 @@ fn row_message_explains_why_torque_is_missing_at_large_push_forces() {
 /// If a table has a column named `model`, the inputs in this table must still be read. Columns
 /// after the status columns are outputs, even if one of them has the name of an input.
 #[test]
-fn columns_of_earlier_results_are_ignored() {
+fn columns_after_the_status_columns_of_earlier_results_are_not_read_as_inputs() {
     let inputs = |names: &[&str]| {
         let columns = Columns::sort(names.iter().copied(), &[], &TableFormat::default())
             .expect("known names");

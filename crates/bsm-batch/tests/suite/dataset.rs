@@ -93,7 +93,7 @@ fn rows(source: &mut dyn Source, size: usize) -> Vec<f64> {
 }
 
 #[test]
-fn part_bytes_depend_only_on_the_plan() {
+fn bytes_of_a_part_file_depend_only_on_the_plan() {
     let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
     let first = temporary_folder();
     let count = fill(first.path(), &task, &points, 1);
@@ -139,7 +139,7 @@ fn part_bytes_depend_only_on_the_plan() {
 /// All parts together must contain the same rows as a single file, and each part must be a valid
 /// Parquet file.
 #[test]
-fn parts_contain_the_rows_of_a_single_file() {
+fn parts_together_contain_the_same_rows_as_a_single_file() {
     let (task, folder) = (task(Model::Rigid), temporary_folder());
     fill(folder.path(), &task, &Points::Grid(grid()), 2);
     let one = folder.path().join("one.csv");
@@ -276,7 +276,7 @@ fn a_run_can_be_stopped_within_a_chunk() {
 /// If rows of a Parquet table are skipped, complete row groups are not read at all. The remaining
 /// rows must be the same as if the whole table had been read.
 #[test]
-fn skipping_parquet_rows_does_not_change_the_remaining_rows() {
+fn rows_of_a_parquet_table_do_not_change_if_preceding_rows_are_skipped() {
     let folder = temporary_folder();
     let path = folder.path().join("points.parquet");
     // The table has more rows than a row group, and its number of rows is not a multiple of the
@@ -437,7 +437,7 @@ fn part_file_that_is_not_in_the_plan_is_reported() {
 /// In an earlier version, `parts.parquet` was kept even if it belonged to another folder, or if a
 /// part was lost after `parts.parquet` had been written.
 #[test]
-fn repair_rewrites_or_removes_the_list_of_parts() {
+fn repair_of_a_dataset_rewrites_or_removes_its_list_of_parts() {
     let (task, points, folder) =
         (task(Model::ClosedForm), Points::Grid(grid()), temporary_folder());
     fill(folder.path(), &task, &points, 1);
@@ -555,7 +555,7 @@ fn damaged_parts_are_replaced_only_on_request() {
 /// The estimated size of a dataset must be at least as large as the actual size, and at most twice
 /// as large.
 #[test]
-fn estimated_size_is_an_upper_bound_on_the_actual_size() {
+fn estimated_dataset_size_is_an_upper_bound_on_the_actual_size() {
     let draws = ["axial_load_N=uniform:500:9000", "screw_speed_rpm=normal:1500:50"];
     let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
     let points = Points::Draws(Draws::new(11, 100_000, draws).expect("draws"));

@@ -145,24 +145,24 @@ fn assert_rows(
 }
 
 #[test]
-fn closed_form_kernel_matches_its_model() {
+fn closed_form_kernel_matches_the_scalar_solver() {
     compare_kernel_with_model(&Model::ClosedForm.into(), 4000);
 }
 
 #[test]
-fn quasi_static_kernel_matches_its_model() {
+fn quasi_static_kernel_matches_the_scalar_solver() {
     compare_kernel_with_model(&Model::QuasiStatic.into(), 4000);
 }
 
 #[test]
-fn rigid_kernel_matches_its_model() {
+fn rigid_kernel_matches_the_scalar_solver() {
     compare_kernel_with_model(&Model::Rigid.into(), campaign(20_000));
 }
 
 /// The controlling raceway is either given or determined by the model. The kernel solves five out
 /// of six points. At the other points, the inertia forces are as large as the load.
 #[test]
-fn raceway_control_kernel_matches_its_model() {
+fn raceway_control_kernel_matches_the_scalar_solver() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {
         compare_kernel_with_model(&Settings { control, ..Model::RacewayControl.into() }, 3000);
     }
@@ -172,7 +172,7 @@ fn raceway_control_kernel_matches_its_model() {
 /// per contact. The lubricant temperature differs from row to row, and all losses outside the
 /// contacts are included.
 #[test]
-fn lubricated_raceway_control_kernel_matches_its_model() {
+fn lubricated_raceway_control_kernel_matches_the_scalar_solver() {
     const COUNT: usize = 3000;
     let base = br#"{"iso_vg": 68, "ball_roughness_um": 0.02, "nut_roughness_um": 0.1,
         "screw_roughness_um": 0.08, "hysteresis_loss": 0.007, "seal_torque_Nm": 0.05,
@@ -193,13 +193,13 @@ fn lubricated_raceway_control_kernel_matches_its_model() {
 }
 
 #[test]
-fn elastic_kernel_matches_its_model() {
+fn elastic_kernel_matches_the_scalar_solver() {
     compare_kernel_with_model(&Model::Elastic.into(), 4000);
 }
 
 /// The points are taken from `validation/hard`, where some points have several solutions.
 #[test]
-fn hard_points_have_the_same_root_in_tables_and_single_solves() {
+fn difficult_points_have_the_same_root_in_tables_and_single_solves() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/hard/solved");
     let case = |entry: Result<fs::DirEntry, _>| Case::read(&entry.expect("entry").path());
     let cases: Vec<_> = fs::read_dir(folder).expect("cases").map(case).collect();
@@ -367,7 +367,7 @@ fn kernels_solve_nearly_all_points_that_have_a_root() {
 /// If the caller provides no buffer for an output, the values of this output are returned
 /// separately. If the output has no values, nothing is returned for it.
 #[test]
-fn outputs_without_a_buffer_are_returned_separately() {
+fn outputs_for_which_the_caller_provides_no_buffer_are_returned_separately() {
     for settings in all_settings() {
         // The table has more rows than a thread takes at a time.
         let (model, (chunk, columns)) =

@@ -91,7 +91,7 @@ fn column(numbers: Vec<f64>) -> ArrayRef {
 /// In an earlier version, tables that pandas and Polars had compressed with Zstandard, gzip or LZ4
 /// were rejected as "not a Parquet table".
 #[test]
-fn all_common_codecs_are_read() {
+fn parquet_files_with_any_common_codec_are_read() {
     let ids: Vec<_> = (0..3000).map(|row| format!("point {row}")).collect();
     for codec in codecs() {
         let texts: ArrayRef = Arc::new(StringArray::from_iter_values(&ids));
@@ -108,7 +108,7 @@ fn all_common_codecs_are_read() {
 /// In an earlier version, the error message for an unsupported codec was "Disabled feature at
 /// compile time".
 #[test]
-fn unsupported_codecs_are_rejected_with_advice() {
+fn error_for_an_unsupported_parquet_codec_suggests_a_remedy() {
     let brotli =
         file_of_pages(Compression::BROTLI(BrotliLevel::default()), "lead_mm", &data_page(24, 24));
     assert_eq!(
@@ -128,7 +128,7 @@ fn unsupported_codecs_are_rejected_with_advice() {
 
 /// In an earlier version, the errors for copied columns with structures or maps were unclear.
 #[test]
-fn copied_structures_maps_and_lists_are_rejected() {
+fn columns_of_structures_maps_or_lists_cannot_be_copied() {
     let list = ListArray::from_iter_primitive::<Int32Type, _, _>([Some([Some(1), None])]);
     let text: ArrayRef = Arc::new(StringArray::from(vec!["a"]));
     let structure = RecordBatch::try_from_iter([("name", text)]).expect("a column");
@@ -152,7 +152,7 @@ fn copied_structures_maps_and_lists_are_rejected() {
 /// Parquet stores durations as plain integers. In an earlier version, an input of 8000 s was
 /// therefore read as 8000 N.
 #[test]
-fn durations_are_rejected_as_numbers() {
+fn column_of_durations_is_rejected_as_a_numeric_input() {
     let loads: ArrayRef = Arc::new(DurationSecondArray::from(vec![8000, 9000]));
     let table =
         parquet_table(vec![("axial_load_N", loads)], writer_properties(Compression::SNAPPY));
@@ -164,7 +164,7 @@ fn durations_are_rejected_as_numbers() {
 
 /// In an earlier version, copied ids and dates were converted to text.
 #[test]
-fn copied_columns_keep_their_types() {
+fn copied_parquet_columns_keep_their_types() {
     let ids: ArrayRef = Arc::new(Int64Array::from(vec![Some(1 << 60), None, Some(-7)]));
     let dates: ArrayRef = Arc::new(Date32Array::from(vec![20_000, 20_001, 20_002]));
     let times: ArrayRef = Arc::new(TimestampMillisecondArray::from(vec![1, 2, 3]));
@@ -216,7 +216,7 @@ fn copied_columns_keep_their_types() {
 /// compression="none", use_dictionary=False, write_statistics=False, store_schema=False,
 /// write_page_checksum=True)`.
 #[test]
-fn a_flipped_bit_in_a_page_with_a_checksum_is_an_error() {
+fn flipped_bit_in_a_parquet_page_with_a_checksum_causes_an_error() {
     const TABLE: &[u8] = include_bytes!("checksums.parquet");
     // The page data consist of 6 bytes of levels and three numbers. They follow the page header,
     // which has 25 bytes and begins after the magic number of 4 bytes.
@@ -330,7 +330,7 @@ fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
 /// A large table whose inputs are mostly constant is compressed to less than 1/500 of its size. The
 /// table must not be rejected as a decompression bomb.
 #[test]
-fn a_highly_compressible_table_is_read() {
+fn highly_compressible_parquet_table_is_read() {
     const ROWS: usize = 200_000;
     let names = ["lead_mm", "axial_load_N", "screw_speed_rpm", "ball_diameter_mm"];
     let same = column(vec![5.0; ROWS]);

@@ -77,7 +77,7 @@ fn numbers_round_trip_through_parquet() {
 /// A text column with nearly the same text in all rows must take almost no space, and repeated
 /// input values must take less than one byte per row.
 #[test]
-fn repeated_texts_and_inputs_take_almost_no_space() {
+fn repeated_texts_and_inputs_take_almost_no_space_in_a_parquet_file() {
     let base = include_bytes!("../../../../examples/feed_drive.json");
     let base = Case::from_json(base).expect("a case");
     let axes = ["axial_load_N=2000:8000:30", "screw_speed_rpm=100:1500:10000"];

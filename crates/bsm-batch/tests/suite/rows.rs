@@ -124,7 +124,7 @@ impl Tally {
 /// A table has a column for the lead and a column for the lead angle. In an earlier version, a row
 /// with a value in only one of the two columns was solved with the value of the base case.
 #[test]
-fn a_row_with_a_value_in_one_of_two_lead_columns_uses_this_value() {
+fn row_with_a_value_in_only_one_of_two_lead_columns_uses_this_value() {
     let table = Table {
         keys: vec![InputKey::lead_angle_deg, InputKey::lead_mm],
         rows: vec![

@@ -162,7 +162,7 @@ fn line_of_empty_cells_between_tabs_is_read_as_a_row() {
 /// In an earlier version, an output with the name of an input column, such as a temperature, had no
 /// value in rows in which the input was missing.
 #[test]
-fn an_output_that_is_also_an_input_column_has_no_missing_values() {
+fn output_with_the_name_of_an_input_column_has_values_where_the_input_is_missing() {
     let mut base =
         Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a case");
     base.friction_coefficient = None;
