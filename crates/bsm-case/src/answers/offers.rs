@@ -208,7 +208,7 @@ mod tests {
     /// With a misspelled name in these lists, the comparison would report the worse offer as
     /// better.
     #[test]
-    fn compared_outputs_exist_on_the_axis_sheet() {
+    fn outputs_that_compare_offers_exist_on_the_axis_sheet() {
         for name in SMALLER.into_iter().chain(NEITHER) {
             assert!(sheet_columns().any(|column| column.name == name), "{name}");
         }

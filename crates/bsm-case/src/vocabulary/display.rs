@@ -330,7 +330,7 @@ mod tests {
     /// The inch counterpart of each unit has the correct size. The expected values were calculated
     /// by hand.
     #[test]
-    fn inch_counterparts_of_units_have_the_correct_size() {
+    fn conversion_factors_to_inch_units_match_hand_calculations() {
         for (own, text) in INCH {
             assert!(counterpart(own, text).is_some(), "{own} {text}");
         }
@@ -360,7 +360,7 @@ mod tests {
     /// If the name of a requested column ends with a unit, the column has this unit instead of the
     /// default display unit.
     #[test]
-    fn selected_columns_have_the_unit_of_their_name() {
+    fn column_requested_with_a_unit_in_its_name_has_this_unit() {
         let heads = [
             ("screw_torque_Nm", "N m"),
             ("axis_stiffness_N_um", "N/um"),

@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn exact_numbers_use_the_fewest_digits() {
+    fn exact_numbers_are_printed_with_the_fewest_digits_that_round_trip() {
         for (value, text) in [
             (0.0, "0"),
             (-0.0, "-0"),
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_printed_with_five_digits() {
+    fn numbers_in_default_format_are_printed_with_five_significant_digits() {
         for (value, text) in [
             (0.0, "0"),
             (0.860_106_9, "0.86011"),
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn short_numbers_are_printed_with_two_digits() {
+    fn numbers_in_short_format_are_printed_with_two_significant_digits() {
         for (value, text) in [
             (0.0, "0"),
             (203.8, "204"),

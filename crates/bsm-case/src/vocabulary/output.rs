@@ -436,7 +436,7 @@ mod tests {
 
     /// A column for the controlling raceway contains the index of the raceway name.
     #[test]
-    fn columns_contain_the_index_of_the_controlling_raceway() {
+    fn index_in_a_controlling_raceway_column_is_the_index_of_the_raceway_name() {
         let output = Output::named("controlling_raceway").expect("an output");
         for raceway in Control::ALL {
             assert_eq!(output.word(f64::from(raceway as u8)), Some(raceway.name()));

@@ -345,7 +345,7 @@ mod tests {
     /// The expected values were calculated by hand. Factors are exact if the definitions of the
     /// units are exact.
     #[test]
-    fn names_in_other_units_are_converted() {
+    fn inputs_named_with_another_unit_are_converted_to_the_standard_unit() {
         for (name, own, factor) in [
             ("axial_load_kN", "axial_load_N", 1e3),
             ("axial_load_lbf", "axial_load_N", 4.448_221_615_260_5),
@@ -410,7 +410,7 @@ mod tests {
     /// An input name with any of its alternative units is parsed, and the conversion has the factor
     /// of this unit.
     #[test]
-    fn names_in_alternative_units_are_parsed() {
+    fn input_names_with_every_alternative_unit_are_parsed() {
         let mut offered = 0;
         for input in INPUTS {
             for (unit, change) in other_units(input.name) {
@@ -459,7 +459,7 @@ mod tests {
 
     /// Each unit has a single positive size, so conversions in both directions are consistent.
     #[test]
-    fn each_unit_has_a_single_positive_size() {
+    fn each_unit_has_exactly_one_positive_conversion_factor() {
         for dimension in DIMENSIONS {
             for (i, Unit { suffix, size, .. }) in dimension.units.iter().enumerate() {
                 assert!(*size > 0.0);

@@ -89,7 +89,7 @@ fn slip_powers_add_up_to_the_dissipated_power() {
 /// are equal, the printed and the corrected results are equal. Otherwise, the printed results equal
 /// the corrected spin slip with the contacts exchanged. There is no formula for the unloaded flank.
 #[test]
-fn printed_spin_slip_uses_the_angle_of_the_other_contact() {
+fn formula_printed_in_the_paper_for_spin_slip_uses_the_angle_of_the_other_contact() {
     let report = slip(&case(XU, &[]), Model::Rigid);
     for form in ["spin", "orbit"] {
         for contact in ["nut", "screw"] {
@@ -111,7 +111,7 @@ fn printed_spin_slip_uses_the_angle_of_the_other_contact() {
 /// Model `rigid` has three contacts, but no contact ellipses. The report states this and contains
 /// no values that depend on the ellipses.
 #[test]
-fn model_rigid_reports_no_contact_ellipses() {
+fn rigid_model_reports_no_contact_ellipses() {
     let mut case = case(XU, &[("lead_mm", 40.0)]);
     (case.nut_conformity, case.screw_conformity) = (None, None);
     let report = slip(&case, Model::Rigid);
@@ -279,7 +279,7 @@ fn assert_no_alarm(case: &Case) {
 /// The jamming analysis reports no jamming for healthy screws. It used to report self-locking balls
 /// for every healthy screw.
 #[test]
-fn jamming_raises_no_alarm_for_healthy_screws() {
+fn jamming_analysis_raises_no_alarm_for_healthy_screws() {
     assert_no_alarm(&case(FEED, &[]));
     assert_no_alarm(&case(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
     let catalog = Catalog::standard().expect("lists");
@@ -317,7 +317,7 @@ fn jamming_raises_no_alarm_for_healthy_screws() {
 /// If the speed is reversed, the wedge is reversed, too: the ball climbs the other side of the
 /// groove.
 #[test]
-fn reversing_the_speed_reverses_the_wedge() {
+fn reversing_the_speed_changes_the_sign_of_the_wedge_angle() {
     let wedge = |rpm| {
         let report = jam(&case(DONG, &[("screw_speed_rpm", rpm)]), Model::Traction);
         number(&report, "wedge_angle_deg")
@@ -330,7 +330,7 @@ fn reversing_the_speed_reverses_the_wedge() {
 
 /// The thrust due to the impact depends on the given inputs of the ball return.
 #[test]
-fn step_thrust_depends_on_ball_return_inputs() {
+fn thrust_at_the_entry_step_depends_on_ball_return_inputs() {
     let thrust = |changes: &[(&str, f64)]| {
         let report = jam(&case(DONG, changes), Model::RacewayControl);
         number(&report, "step_thrust_N")
@@ -389,7 +389,7 @@ const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 /// the results of a dry ball with the friction coefficient of the asperities. The analysis used to
 /// reject lubricated balls.
 #[test]
-fn jamming_results_without_a_film_equal_dry_results() {
+fn jamming_results_of_a_lubricated_ball_without_a_film_equal_those_of_a_dry_ball() {
     let bare = [("film_factor", 1e-9), ("rolling_factor", 0.0), ("hysteresis_loss", 0.0)];
     let oil = case(OIL, &[&bare[..], &RETURN].concat());
     let mut dry = case(include_bytes!("../../../../examples/feed_drive.json"), &RETURN);

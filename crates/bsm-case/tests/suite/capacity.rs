@@ -74,7 +74,7 @@ fn displacement_at_small_load_matches_the_elastic_model() {
 /// be smaller by a factor equal to the cosine of the lead angle, which means 0.3 % and 4.4 % at the
 /// two leads.
 #[test]
-fn solve_and_nut_give_the_same_axial_displacement() {
+fn commands_solve_and_nut_report_the_same_axial_displacement() {
     let settings: Settings = Model::RacewayControl.into();
     for lead in [10.0, 40.0] {
         let json = include_bytes!("../../../../examples/feed_drive.json");
@@ -113,7 +113,7 @@ fn nuts_that_cannot_be_rated_are_reported() {
 /// The ratings used to contain no note that temperature rises change the preload, or that the axial
 /// load excludes the weight.
 #[test]
-fn ratings_warn_about_inputs_that_they_ignore() {
+fn ratings_report_warns_about_inputs_that_do_not_affect_the_ratings() {
     let told =
         |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
     let (warm, heavy) =

@@ -29,7 +29,7 @@ fn error_text(json: &str) -> String {
 /// The error message recognizes the name of an output. The program used to suggest `seal_torque_Nm`
 /// instead, which is spelled similarly but has another meaning.
 #[test]
-fn name_of_a_result_is_not_taken_for_a_misspelled_input() {
+fn error_for_a_result_given_as_an_input_does_not_suggest_an_input_of_similar_spelling() {
     let text = error_text(r#"{"screw_torque_Nm": 2}"#);
     assert!(
         text.contains("`screw_torque_Nm` is a result, not an input; `bsm fit --measured"),
@@ -303,7 +303,7 @@ fn settings_add_and_replace_inputs_of_a_case() {
 }
 
 #[test]
-fn override_with_numbers_and_with_settings_give_the_same_case() {
+fn overriding_inputs_with_numbers_or_with_text_settings_gives_the_same_case() {
     let base = case(LIN);
     let numbers = [
         (InputKey::lead_mm, 12.0),

@@ -77,7 +77,7 @@ fn complete_grooves_are_not_changed_by_the_estimate() {
 /// The best groove for SFU1605-4 agrees with an independent implementation. If the case is written
 /// to a file and read again, its groove is estimated again.
 #[test]
-fn groove_is_estimated_from_catalog_ratings() {
+fn groove_estimated_from_catalog_ratings_matches_an_independent_implementation() {
     let line = case(SFU1605, &[]);
     let found = line.with_groove().expect("a groove");
     assert_eq!(found.ball_diameter_mm, Some(3.175));
@@ -116,7 +116,7 @@ fn travel_rating_and_equivalent_revolution_rating_give_the_same_groove() {
 }
 
 #[test]
-fn given_input_replaces_its_estimate() {
+fn specified_input_replaces_its_estimate() {
     let mut found = case(SFU1605, &[]).with_groove().expect("a groove");
     found.apply(&["ball_diameter_mm=3", "nut_conformity=0.515"]).expect("inputs");
     let found = found.with_groove().expect("a groove");
@@ -153,7 +153,7 @@ fn intervals_match_independent_implementation() {
 /// median ratio of interval ends is 1.41 with catalog data only, and 1.03 if ball, conformity and
 /// contact angle are given.
 #[test]
-fn given_inputs_narrow_the_interval() {
+fn specified_groove_inputs_narrow_the_intervals_of_results_from_catalog_data() {
     let width = |settings: &[&str]| {
         let answer = motion(&case(R40, settings));
         let ideal = 5130.0 * 0.02 / std::f64::consts::TAU;
@@ -264,7 +264,7 @@ fn axis_results_from_catalog_data_have_intervals() {
 /// interval is calculated from efficiencies of 0.85 to 0.95. The 5 % and 95 % quantiles of these
 /// efficiencies are 0.855 and 0.945, to within one of the 32 draws.
 #[test]
-fn torque_without_friction_input_has_catalog_efficiency_interval() {
+fn torque_interval_follows_from_catalog_efficiency_range_if_friction_is_missing() {
     let mut line = case(R40, &["stroke_mm=500"]);
     line.friction_coefficient = None;
     let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
@@ -416,7 +416,7 @@ SFU02505,25,5,3.175,4,1724,4904";
 /// safety follow from the ratings and have no intervals. In the table, each column with an interval
 /// is followed by the columns for the two ends of the interval.
 #[test]
-fn list_columns_of_a_nut_with_an_estimated_groove_have_intervals() {
+fn table_columns_that_depend_on_an_estimated_groove_have_columns_for_the_interval_ends() {
     let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
 line,40,20,,,,51300,144400
 given,15,10,3.175,3,12.32,9600,19300";
@@ -457,7 +457,7 @@ given,15,10,3.175,3,12.32,9600,19300";
 
 /// Each model has its own intervals. The calculation time has no interval.
 #[test]
-fn model_comparison_has_intervals() {
+fn model_comparison_from_catalog_data_states_intervals_for_each_model() {
     let line = case(R40, &[]).with_groove().expect("a groove");
     let answer = comparison(&line).expect("models").to_json();
     let models = answer["models"].as_array().expect("models");
@@ -473,7 +473,7 @@ fn model_comparison_has_intervals() {
 /// Each quantile over nuts with random balls has an interval over the possible grooves. The
 /// intervals have the same layout as the quantiles.
 #[test]
-fn quantiles_of_random_nuts_have_intervals() {
+fn quantiles_over_random_nuts_with_estimated_grooves_have_intervals() {
     let line = case(R40, &["ball_deviation_sd_um=1"]).with_groove().expect("a groove");
     let settings = Settings::default();
     let problem = NutProblem::of(&line, &settings).expect("a nut");
@@ -490,7 +490,7 @@ fn quantiles_of_random_nuts_have_intervals() {
 
 /// A friction coefficient that is fitted to the mean heat generation of an axis has an interval.
 #[test]
-fn fitted_input_of_an_axis_has_an_interval() {
+fn friction_coefficient_fitted_to_the_mean_heat_of_an_axis_has_an_interval() {
     let line = case(R40, &["stroke_mm=500"]).with_groove().expect("a groove");
     let settings = Settings::default();
     let fit = Fit::parse(&line, "friction_coefficient", "mean_heat_W=30").expect("a fit");
@@ -622,7 +622,7 @@ strong,40,20,51300";
 /// of these grooves, and the interval of the fold over these grooves. If the best groove has no
 /// fold, the answer used to contain nothing about a fold.
 #[test]
-fn fold_that_exists_for_some_grooves_is_reported_with_the_number_of_grooves() {
+fn thermal_fold_of_only_some_possible_grooves_is_reported_with_the_number_of_these_grooves() {
     let base = ["stroke_mm=800", "warm_state=true", "preload_N=2000", "screw_speed_rpm=1500"];
     let limit = |factor: f64| format!("fold_search_factor={factor}");
     let fold = |factor: f64| {
@@ -695,7 +695,7 @@ fn line_at(line: &Case, load: f64) -> Case {
 /// fit used to fail for every possible groove, because the model was chosen without the
 /// coefficient.
 #[test]
-fn fit_of_a_missing_friction_coefficient_has_an_interval() {
+fn fitted_friction_coefficient_has_an_interval_even_if_the_case_contains_no_friction_coefficient() {
     let mut line = case(R40, &[]);
     let fitted = |line: &Case| {
         let line = line.with_groove().expect("a groove");

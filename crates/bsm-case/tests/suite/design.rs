@@ -65,7 +65,7 @@ fn case_of_the_selected_screw_meets_the_requirement() {
 
 /// In a linear-to-rotary motion, the load turns the screw backward.
 #[test]
-fn selected_screw_for_linear_to_rotary_motion_turns_backward() {
+fn speed_of_a_screw_selected_for_linear_to_rotary_motion_is_negative() {
     let requirement =
         requirement(&["motion=linear-to-rotary", "model=closed-form", "allow_warnings=true"])
             .expect("a requirement");
@@ -103,7 +103,7 @@ fn invalid_requirements_are_rejected() {
 /// If only load, motion and stroke are required, the result is the lightest screw, with a note on
 /// the assumed friction.
 #[test]
-fn load_motion_and_stroke_suffice_as_requirement() {
+fn load_and_motion_and_stroke_are_sufficient_to_select_a_screw() {
     let bare = br#"{"axial_load_N": 10000, "feed_m_min": 30, "required_life_h": 20000, "stroke_mm": 1200}"#;
     let standard = Catalog::standard().expect("compiled in");
     let report = |settings: &[&str]| {
@@ -131,7 +131,7 @@ fn screw_with_a_rejected_case_is_not_reported_as_found() {
 
 /// An extremely large load is a valid input, but no screw can carry it.
 #[test]
-fn extreme_load_is_reported_as_infeasible() {
+fn requirement_with_an_extreme_load_is_reported_as_infeasible() {
     let report = DesignReport::of(&requirement(&["axial_load_N=1e30"]).expect("a number"));
     assert!(!report.found);
     assert!(
@@ -299,7 +299,7 @@ fn error_of_a_fit_states_the_reachable_range() {
 /// The conformity in Sobolewski's tables is outside the range of Lin's step 6. A requirement can
 /// widen this range.
 #[test]
-fn requirement_can_widen_the_ranges_of_lins_procedure() {
+fn requirement_can_widen_the_permitted_ranges_of_the_design_procedure_of_lin() {
     let tables = ["nut_conformity=0.53", "required_life_h=3000"];
     let narrow = DesignReport::of(&requirement(&tables).expect("a requirement"));
     let blocks = |r: &String| r.contains("ball radius / groove radius");
@@ -348,7 +348,7 @@ fn missing_lead_is_chosen_from_standard_leads() {
 /// For linear to rotary motion, Lin's rule chooses the largest contact angle and the lead angle
 /// from Eq 18.
 #[test]
-fn screw_driven_by_its_load_has_the_lead_angle_of_eq_18() {
+fn lead_angle_of_a_screw_driven_by_its_load_satisfies_eq_18_of_lin() {
     let motion = "motion=linear-to-rotary";
     let back = requirement_without_lead(&[
         motion,
@@ -372,7 +372,7 @@ fn screw_driven_by_its_load_has_the_lead_angle_of_eq_18() {
 
 /// A load of 8 kN at 250 mm/s requires 2 kW at the nut.
 #[test]
-fn design_meets_the_limit_of_input_power() {
+fn selected_screw_meets_the_input_power_limit() {
     let report = DesignReport::of(&requirement(&[]).expect("an example"));
     assert!((value(&report, "screw_output_power_W") - 2000.0).abs() < 1e-6);
     let input = value(&report, "screw_input_power_W");
@@ -410,7 +410,7 @@ fn requirements_of_machine_builders() -> Vec<String> {
 /// Each warning of `axis` either corresponds to a selection limit or is printed with the selected
 /// screw.
 #[test]
-fn select_prints_every_warning_of_axis() {
+fn command_select_prints_every_warning_of_command_axis() {
     let [own, standard] = [Catalog::manufacturers(), Catalog::standard()].map(Result::unwrap);
     let mut found = 0;
     for json in requirements_of_machine_builders() {
@@ -460,7 +460,7 @@ fn no_screw_longer_than_the_listed_lengths_is_selected() {
 /// A test by a stranger found that the order named a nominal diameter of 16 mm for the chosen size
 /// 15 x 10 mm, because 16 mm is closer to its pitch circle of 15.75 mm.
 #[test]
-fn selected_case_and_order_have_the_nominal_diameter_of_the_chosen_row() {
+fn selected_case_and_ordering_designation_have_the_nominal_diameter_of_the_chosen_catalog_row() {
     let catalog = Catalog::manufacturers().expect("compiled in");
     let json = br#"{"moved_mass_kg":7,"inclination_deg":90,"stroke_mm":1100,"required_life_h":2000,"objective":"mass",
         "support":"fixed-supported","cycle":[{"time_s":1,"feed_mm_s":100},{"time_s":1,"feed_mm_s":-100}]}"#;
@@ -517,7 +517,7 @@ fn list_of_sizes_is_sorted_by_the_mass_of_nut_and_screw() {
 
 /// An audit found that `nut` ignored the cycle of a selected case and assumed a preloaded pair.
 #[test]
-fn nut_results_for_a_cycle_match_the_axis_sheet() {
+fn nut_results_for_a_load_cycle_match_the_axis_sheet() {
     for (preload, is_pair) in [("", false), (r#","preload_N":2000"#, true)] {
         let json = format!(
             r#"{{"ball_diameter_mm":6.35,"pitch_circle_diameter_mm":41.5,"lead_mm":10,"contact_angle_deg":45,

@@ -123,7 +123,7 @@ fn brake_torque_is_checked_by_a_rule() {
 /// requires a preload of 3552.9 N, which is rounded up to 3600 N in catalog steps. The preload is
 /// used on the axis sheet, in the nut with all its balls, and in a selection.
 #[test]
-fn preload_can_be_given_by_class_or_derived_from_the_load() {
+fn preload_can_be_specified_by_class_or_derived_from_the_load() {
     let case = |more: &[&str]| {
         let mut case = Case::from_json(AXIS).expect("an example");
         case.preload_N = None;

@@ -25,7 +25,7 @@ fn solve_cases_in_folder(folder: &str) -> Vec<(String, Solution)> {
 /// rounding errors dominated, or had no solution although points at lower and higher speeds were
 /// solved.
 #[test]
-fn hard_points_are_solved() {
+fn points_that_failed_in_earlier_versions_are_solved() {
     let answers = solve_cases_in_folder("solved");
     assert_eq!(answers.len(), 14);
     for (name, solution) in answers {

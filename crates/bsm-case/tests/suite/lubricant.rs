@@ -80,7 +80,7 @@ fn lubricated_friction_matches_an_independent_solution() {
 
 /// Friction may only be given once, and only for models that use the given input.
 #[test]
-fn friction_given_twice_is_rejected() {
+fn lubricant_inputs_that_conflict_or_are_incomplete_are_rejected() {
     let told = |case: &Case, settings: &Settings| match case.problem(settings) {
         Err(error) => error.to_string(),
         Ok(_) => String::new(),
@@ -112,7 +112,7 @@ fn friction_given_twice_is_rejected() {
 
 /// `auto` chooses model `traction` for a lubricated ball. A viscosity replaces the viscosity grade.
 #[test]
-fn auto_chooses_traction_for_a_lubricated_ball() {
+fn auto_chooses_the_traction_model_for_a_lubricated_ball() {
     let record = Record::new(
         oiled_case(&[])
             .problem(&Settings::default())
@@ -160,7 +160,7 @@ fn lubricated_sensitivities_match_finite_differences() {
 /// With rough surfaces and without rolling losses, the friction of a nut equals the friction with a
 /// constant coefficient. If the oil carries a part of the load, each ball has its own film.
 #[test]
-fn each_ball_of_a_nut_has_its_own_film() {
+fn each_ball_of_a_lubricated_nut_has_its_own_film_thickness() {
     const NUT: &[u8] = include_bytes!("../../../../examples/nut_guided.json");
     const OIL: [&str; 5] = [
         "iso_vg=68",

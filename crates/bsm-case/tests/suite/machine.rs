@@ -80,7 +80,7 @@ fn assert_matches_reference(report: &AxisReport, reference: &Value, skip: &[&str
 /// The lengths of nut set and thread determine the critical speed. This is tested for single nuts,
 /// for pairs and for a nut with lead offset.
 #[test]
-fn nut_set_and_overrun_determine_thread_and_critical_speed() {
+fn nut_length_and_overrun_determine_thread_length_and_critical_speed() {
     for reference in reference_cases("nut_length") {
         let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
         // The screw is kept cold, because constrained thermal expansion would reduce the critical
@@ -94,7 +94,7 @@ fn nut_set_and_overrun_determine_thread_and_critical_speed() {
 /// The order of a nut pair contains both nuts and a thread that is long enough for both. The longer
 /// thread makes the screw heavier.
 #[test]
-fn order_data_of_a_nut_pair_include_both_nuts_and_the_thread() {
+fn ordering_data_of_a_nut_pair_include_both_nuts_and_the_thread() {
     let single = json!({"lead_mm": 10, "loaded_turns": 5, "stroke_mm": 700, "feed_m_min": 20});
     let single = with_inputs(&neutral_catalog_inputs(), &single);
     let mut pair = single.clone();
@@ -133,7 +133,7 @@ fn length_of_a_double_nut_includes_both_nuts() {
 /// If the nut is driven, the screw is at rest, so it has no critical speed and no inertia. The nut
 /// has its own inertia.
 #[test]
-fn driven_nut_replaces_the_inertia_of_its_screw() {
+fn inertia_of_the_nut_replaces_inertia_of_the_screw_if_the_nut_is_driven() {
     for reference in reference_cases("nut_driven") {
         let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
         inputs.insert("driven_part".into(), json!("nut"));
@@ -289,7 +289,7 @@ fn natural_frequencies_match_independent_values() {
 /// Film conductance and heat are averaged over the time including standstill. During a dwell, still
 /// air cools the screw, and the temperature rise decreases with the mean heat.
 #[test]
-fn film_conductance_is_averaged_over_standstill() {
+fn average_film_conductance_includes_standstill() {
     let cases = reference_cases("thermal");
     let of = |place: usize| {
         sheet(cases[place].get("inputs").and_then(Value::as_object).expect("inputs"))
@@ -306,7 +306,7 @@ fn film_conductance_is_averaged_over_standstill() {
 /// If the torques of seals and bearings are not given, they are named next to the heat. The upper
 /// bound of the temperature rise includes typical values of these torques.
 #[test]
-fn sheet_names_missing_heat_sources() {
+fn axis_sheet_names_missing_heat_sources() {
     let reference = &reference_cases("thermal")[0];
     let mut inputs = reference["inputs"].as_object().expect("inputs").clone();
     let note = |report: &AxisReport| report.answer.lacks("mean_heat_W");
@@ -366,7 +366,7 @@ fn static_safety_of_a_pair_includes_its_preload() {
 /// without a warm state have the same temperatures. The tolerance allows for the interpolation of
 /// the friction in the warm state, 1e-9, and the residual of the heat balance, 1e-10.
 #[test]
-fn sheet_and_warm_state_use_the_same_thermal_network() {
+fn axis_sheet_and_warm_state_use_the_same_thermal_network() {
     let mut case =
         Case::from_json(include_bytes!("../../../../validation/published/nut/feed_axis.json"))
             .expect("a case");
@@ -401,7 +401,7 @@ fn sheet_and_warm_state_use_the_same_thermal_network() {
 /// For pairs, threads and driven nuts, `select` uses the same functions as `axis`, so the axis
 /// sheet of the selected screw contains the same values.
 #[test]
-fn select_and_axis_agree_on_lengths_and_driven_part() {
+fn commands_select_and_axis_agree_on_lengths_and_driven_part() {
     let catalog = bsm_case::Catalog::standard().expect("compiled in");
     let requirement = br#"{"axial_load_N": 3000, "feed_m_min": 20, "stroke_mm": 700, "lead_mm": 10, "preload_N": 1450,
         "driven_part": "nut", "nut_gap_mm": 6, "overrun_mm": 15}"#;

@@ -57,7 +57,7 @@ fn axis(more: &Value) -> Value {
 
 /// The expected values were calculated independently of the program. All outputs agree to 1e-6.
 #[test]
-fn motion_stop_motor_and_life_match_independent_values() {
+fn results_for_motion_and_stopping_and_motor_and_life_match_independent_values() {
     let cases: Vec<Value> = serde_json::from_str(include_str!("motion.json")).expect("cases");
     assert_eq!(cases.len(), 23);
     for case in &cases {
@@ -275,7 +275,7 @@ fn error_states_what_is_wrong_with_a_cycle_entry() {
 /// sum of 100 means percentages, and other sums above 1 are rejected. Results per cycle require
 /// durations instead of time shares.
 #[test]
-fn time_not_covered_by_shares_is_standstill() {
+fn axis_is_at_standstill_in_time_not_covered_by_the_time_shares() {
     let of = |shares: [f64; 2]| {
         let phase = |share: f64, feed: f64| json!({ "share": share, "feed_m_min": feed });
         report(&axis(&json!({ "cycle": [phase(shares[0], 6.0), phase(shares[1], -6.0)] })))
@@ -390,7 +390,7 @@ fn a_new_load_or_speed_replaces_the_cycle() {
 /// Process forces of a jack or a lift also act at rest. The program cannot know this from
 /// `axial_load_N`, so a note must state which assumption is made.
 #[test]
-fn axial_load_acts_at_rest_only_if_given_as_hold_force() {
+fn axial_load_acts_at_rest_only_if_specified_as_hold_force() {
     let jack = |hold: Option<f64>| {
         let mut case = json!({ "lead_mm": 6, "axial_load_N": 12000, "screw_speed_rpm": 100 });
         case["hold_force_N"] = hold.into();

@@ -91,7 +91,7 @@ fn four_catalog_values_suffice_for_an_axis_sheet() {
 
 /// The axis sheet explains why results that need the groove are omitted.
 #[test]
-fn sheet_explains_why_results_are_omitted_without_groove() {
+fn axis_sheet_explains_why_results_are_omitted_if_the_groove_is_unknown() {
     let case = Case::from_json(FOUR.as_bytes()).expect("a case");
     let settings = Settings::default();
     let refused = [
@@ -259,7 +259,7 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
 
 /// A test by a stranger found rows of a list that failed without naming the failed rule.
 #[test]
-fn rows_that_fail_name_the_failed_rules() {
+fn failing_table_rows_name_the_failed_rules() {
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
 weak,40,20,12000,7000,34\nstrong,50,20,80000,150000,44";
     let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("ratings suffice");
@@ -287,7 +287,7 @@ weak,40,20,12000,7000,34\nstrong,50,20,80000,150000,44";
 /// Tables state the stiffness at 0.3 of the dynamic load rating, so K (F/0.3 C_a)^(1/3) times 0.8
 /// is the stiffness of the nut.
 #[test]
-fn stiffness_in_a_table_enters_the_stiffness_of_the_axis() {
+fn axis_stiffness_includes_the_nut_stiffness_from_a_manufacturer_table() {
     let catalog = Catalog::standard().expect("compiled in");
     let requirement = br#"{"axial_load_N": 2000, "feed_m_min": 6, "stroke_mm": 500}"#;
     let requirement =
@@ -328,7 +328,7 @@ fn stiffness_in_a_table_enters_the_stiffness_of_the_axis() {
 /// A test by a stranger found that the remedy for a motor torque did not state the permitted load,
 /// but recommended less acceleration for an axis without acceleration.
 #[test]
-fn remedy_for_the_motor_torque_states_the_permitted_load() {
+fn remedy_for_excessive_motor_torque_states_the_permitted_load() {
     let lift = r#"{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 13000, "estimate_groove": false,
         "seal_torque_Nm": 0.1, "feed_m_min": 1.5, "axial_load_N": 3000}"#;
     let rule = |load: &str, limit: &str, title: &str| {
@@ -633,7 +633,7 @@ fn life_follows_from_the_equivalent_loads_of_both_flanks() {
 /// same load as lifting and comes later in the cycle, and that the torque of a press was negative,
 /// because its feed is negative.
 #[test]
-fn screw_torque_of_the_sheet_is_the_largest_one_at_the_largest_load() {
+fn axis_sheet_states_the_largest_of_the_screw_torques_at_the_largest_load() {
     let cycle = |phases: &str| {
         let json = format!(
             r#"{{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 9000, "rated_static_load_N": 15000, "estimate_groove": false,

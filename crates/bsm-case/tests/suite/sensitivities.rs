@@ -285,7 +285,7 @@ fn closed_form_friction_derivative_matches_the_formula() {
 /// also be true below 15 rpm in model `rigid` and below 47 rpm in model `elastic`, where the result
 /// is extrapolated from faster balls.
 #[test]
-fn density_effect_is_proportional_to_speed_squared() {
+fn effect_of_ball_density_on_efficiency_is_proportional_to_speed_squared() {
     for model in [Model::Rigid, Model::Elastic] {
         let at = |rpm| {
             sensitivity_to(&screw_of_lin(rpm), model, "density_kg_m3").efficiency / rpm.powi(2)

@@ -141,7 +141,7 @@ fn screw_bore_reduces_area_inertia_and_mass() {
 /// A note is given for strokes below three nut lengths, below one circulation of the balls, and
 /// below half a turn.
 #[test]
-fn sheet_contains_a_note_about_short_strokes() {
+fn axis_sheet_contains_a_note_about_short_strokes() {
     // The two nuts are 380 mm long in total.
     let with = |stroke: &str| axis(&[stroke, "unsupported_length_mm=1620"]);
     assert!(!has_note(&with("stroke_mm=1200"), "stroke of less"));
@@ -158,7 +158,7 @@ fn sheet_contains_a_note_about_short_strokes() {
 /// rolled screw also depends on the lead: a lead of 20 mm is less than half of the screw diameter,
 /// 62 mm.
 #[test]
-fn manufacturing_method_determines_the_speed_number_limit() {
+fn limit_of_the_speed_number_depends_on_the_manufacturing_method() {
     let limit = |make: &str| {
         let given: Vec<_> = [make].into_iter().filter(|make| !make.is_empty()).collect();
         let mut case = Case::from_json(super::size::AXIS).expect("an example");

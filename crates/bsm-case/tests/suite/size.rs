@@ -45,7 +45,7 @@ pub(crate) fn near(ours: f64, theirs: f64, tolerance: f64, what: &str) {
 /// After a remedy is applied, its rule is met. If the screw is then too short, the program reports
 /// that the nut has no room for the stroke.
 #[test]
-fn rules_are_met_after_their_remedies_are_applied() {
+fn each_violated_rule_is_met_after_its_remedy_is_applied() {
     for (settings, title, asks, input) in [
         (
             "inclination_deg=90 brake_torque_Nm=1",
@@ -166,7 +166,7 @@ fn rules_match_a_calculation_in_catalog_units() {
 /// the torque of the model. This is tested with the screw or the load driving, with a turning nut,
 /// and with losses outside the contacts.
 #[test]
-fn screw_torque_is_the_sum_of_its_parts() {
+fn screw_torque_is_the_sum_of_the_listed_torques() {
     let drive = include_bytes!("../../../../examples/feed_drive.json");
     for settings in [
         &[][..],
@@ -201,7 +201,7 @@ fn screw_torque_is_the_sum_of_its_parts() {
 /// BNFN4010-5, A-689: 0.865 N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and whether
 /// the load falls.
 #[test]
-fn sheet_states_preload_torque_temperature_and_back_driving() {
+fn axis_sheet_states_preload_torque_and_temperature_and_whether_the_load_back_drives() {
     const NUT: [&str; 9] = [
         "pitch_circle_diameter_mm=41.75",
         "lead_mm=10",
@@ -304,7 +304,7 @@ fn a_vertical_axis_needs_less_torque_for_lowering() {
 /// Every torque that depends on a lubricant has an uncertainty band, which the sheet states. A
 /// torque with dry friction has no band.
 #[test]
-fn sheet_of_a_lubricated_axis_states_the_friction_band() {
+fn sheet_of_a_lubricated_axis_states_uncertainty_bands_of_friction_torques() {
     let oiled = |case: &[u8]| {
         let mut case = Case::from_json(case).expect("an example");
         case.friction_coefficient = None;
@@ -345,7 +345,7 @@ fn sheet_of_a_lubricated_axis_states_the_friction_band() {
 /// A manufacturer's ratings replace the calculated ratings in the life and the static safety
 /// factor.
 #[test]
-fn ratings_of_a_manufacturer_replace_the_calculated_ratings() {
+fn ratings_from_a_manufacturer_replace_calculated_ratings() {
     let own = axis(&["preload_N=1"]);
     let c = size(&own, "dynamic_load_rating_N");
     let stated =
@@ -441,7 +441,7 @@ fn assert_agrees_with_sheet(report: &DesignReport, model: Model, what: &str) {
 /// moved mass, guides, preload and cycle, but ignored them. Accepted screws therefore failed on
 /// their own axis sheet.
 #[test]
-fn select_accepts_only_nuts_that_pass_their_axis_sheet() {
+fn command_select_accepts_only_nuts_that_pass_all_axis_checks() {
     let cycle = r#"cycle=[{"time_s":1,"force_N":9000,"feed_m_min":20},{"time_s":2,"force_N":-4000,"feed_m_min":-30},
         {"time_s":1,"force_N":12000},{"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":1}]"#;
     for settings in [
@@ -489,7 +489,7 @@ fn log_uniform_generator(seed: u64) -> impl FnMut(f64, f64) -> f64 {
 /// dry and lubricated nuts. The efficiency of an axis used to be 0.99181 in `select` and 0.99217 in
 /// `axis`, which used another model.
 #[test]
-fn select_axis_nut_and_solve_give_equal_results() {
+fn commands_select_and_axis_and_nut_and_solve_give_equal_results() {
     let (mut draw, mut axes) = (log_uniform_generator(44), 0);
     let (catalog, rounds) = (Catalog::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
@@ -574,7 +574,7 @@ const NAMES: [&str; 12] = [
 /// For random requirements (200 with `CAMPAIGNS=whole`), the screw selected from manufacturers'
 /// sizes passes its axis sheet, and so does the best screw of any size.
 #[test]
-fn selected_screw_passes_its_axis_sheet() {
+fn selected_screw_passes_all_rules_of_its_axis_sheet() {
     let (mut draw, mut found) = (log_uniform_generator(0x9e37_79b9_7f4a_7c15), 0);
     let (sizes, rounds) = (Catalog::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
@@ -616,7 +616,7 @@ fn selected_screw_passes_its_axis_sheet() {
 /// An audit found that the slenderness limit of Lin's step 4, which no manufacturer applies, made
 /// the lightest screw five times too heavy without a message.
 #[test]
-fn slenderness_is_limited_only_on_request() {
+fn slenderness_of_the_screw_is_limited_only_on_request() {
     let catalog = Catalog::standard().expect("compiled in");
     let light = |more: &[&str]| {
         let json = br#"{"axial_load_N": 1500, "feed_m_min": 15, "stroke_mm": 1000, "required_life_h": 20000,
@@ -648,7 +648,7 @@ fn slenderness_is_limited_only_on_request() {
 /// An audit found that the required life was missing on the axis sheet of the selected screw, which
 /// therefore had no rule for the life.
 #[test]
-fn axis_sheet_keeps_the_required_life() {
+fn axis_sheet_of_the_selected_screw_states_the_required_life() {
     let catalog = Catalog::standard().expect("compiled in");
     let requirement =
         |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalog.lists.clone());
@@ -710,7 +710,7 @@ fn a_vertical_axis_has_no_lost_motion() {
 
 /// If every standard size exceeds its critical speed, the design report states this.
 #[test]
-fn design_report_states_that_the_critical_speed_is_exceeded() {
+fn design_report_states_that_every_standard_size_exceeds_its_critical_speed() {
     let (requirement, catalog) = requirement(&["stroke_mm=7000"]);
     let report = DesignReport::standard(&requirement, &catalog).expect("standard sizes");
     assert!(!report.found);
@@ -721,7 +721,7 @@ fn design_report_states_that_the_critical_speed_is_exceeded() {
 /// The ten nuts of the published catalog are read with the column names of the catalog, semicolons
 /// and decimal commas, and also with the column names of this program.
 #[test]
-fn manufacturer_tables_are_read_in_both_formats() {
+fn manufacturer_tables_are_read_with_catalog_column_names_or_program_column_names() {
     let table = include_str!("../../../../examples/manufacturer_table.csv");
     let ours =
         ManufacturerNut::from_csv(table.as_bytes(), &TableFormat::default()).expect("an example");
@@ -937,7 +937,7 @@ fn catalog_axis(more: &str) -> Answer {
 /// Missing inputs are stated next to the results that they affect. The inputs are the torques of
 /// seals and support bearings, the load factor, and the churning of cold oil.
 #[test]
-fn missing_inputs_are_stated_next_to_the_affected_numbers() {
+fn axis_sheet_states_missing_inputs_next_to_the_affected_numbers() {
     let bare = catalog_axis("");
     let heat = "seal_torque_Nm and support_bearing_torque_Nm are not given and are assumed to be 0";
     for number in
@@ -994,7 +994,7 @@ fn warns_about_contradictory_inputs() {
 
 /// An audit found that only `axis` warned about a contact ellipse that is truncated by the land.
 #[test]
-fn every_command_warns_about_ellipses_beyond_their_flank() {
+fn every_command_warns_about_contact_ellipses_that_extend_beyond_their_flank() {
     let case = br#"{"ball_diameter_mm":3.175,"pitch_circle_diameter_mm":26,"lead_mm":5,"contact_angle_deg":45,
         "nut_conformity":0.53,"screw_conformity":0.53,"loaded_balls_per_turn":25,"loaded_turns":4,"axial_load_kN":30,
         "screw_speed_rpm":500,"friction_coefficient":0.06,"loaded_balls":100}"#;

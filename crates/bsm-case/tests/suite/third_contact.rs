@@ -30,7 +30,7 @@ fn assert_near(record: &Record, name: &str, expected: f64, tolerance: f64) {
 
 /// The nut has ten balls, which share ten times the load of the single ball in reference case V06.
 #[test]
-fn third_contact_below_the_threshold_play_matches_the_reference() {
+fn load_and_loss_of_the_third_contact_below_the_threshold_play_match_the_reference() {
     let (case, expect) = reference("V06", &["axial_load_N=600", "loaded_balls=10"]);
     let record = solve(&case, &Settings::default());
     assert_eq!(record.model(), ModelChoice::Fixed(Model::Traction));
@@ -53,7 +53,7 @@ fn third_contact_below_the_threshold_play_matches_the_reference() {
 }
 
 #[test]
-fn threshold_play_is_stated_if_no_play_is_given() {
+fn threshold_play_is_stated_if_no_play_is_specified() {
     let (mut case, _) = reference("V06", &[]);
     case.axial_play_um = None;
     let settings = Settings::from(Model::Traction);
@@ -138,7 +138,7 @@ fn radial_gap_deeper_than_the_grooves_is_rejected() {
 /// For every value of the play, from zero to a large value, `auto` chooses model `traction`,
 /// because no cheaper model calculates a third contact.
 #[test]
-fn auto_chooses_traction_if_any_play_is_given() {
+fn auto_chooses_traction_if_any_play_is_specified() {
     let mut last = f64::INFINITY;
     for play in [0.0, 2.0, 5.0, 10.0, 20.0, 40.0, 1000.0] {
         let (case, _) = reference("V06", &[&format!("axial_play_um={play}")]);
@@ -173,7 +173,7 @@ fn far_flank_friction_defaults_to_the_friction_coefficient() {
 /// The third contact of a lubricated ball adds the same loss as a dry third contact with the mean
 /// friction coefficient. The loss is a continuous function of the play at the threshold.
 #[test]
-fn loss_of_a_lubricated_third_contact_equals_the_dry_loss() {
+fn loss_of_a_lubricated_third_contact_equals_the_loss_of_a_dry_third_contact() {
     let oil = ["iso_vg=68", "lubricant_temperature_C=30"];
     let settings = Settings::default();
     let at = |play: Option<f64>| {
@@ -292,7 +292,7 @@ fn friction_of_a_loaded_nut_depends_on_the_direction_of_travel() {
 /// In a lubricated nut pair, third contacts contribute to the drag if the play is small, but not if
 /// the play is large.
 #[test]
-fn lubricated_pair_has_more_drag_with_little_play() {
+fn lubricated_pair_has_more_drag_with_little_play_than_with_large_play() {
     let nut = |play: Option<f64>| {
         let case = include_bytes!("../../../../examples/nut_double.json");
         let mut case = Case::from_json(case).expect("a case");

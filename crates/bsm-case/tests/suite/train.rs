@@ -122,7 +122,7 @@ fn losses_of_an_oiled_nut_add_up_to_the_total() {
 /// If no balls touch, the torque equals the torque of balls that are solved individually, within
 /// the residual of each root, 1e-10.
 #[test]
-fn torque_with_sufficient_gap_matches_individually_solved_balls() {
+fn torque_matches_sum_over_individually_solved_balls_if_the_balls_do_not_touch() {
     let reference = &reference_cases()[2];
     let settings = Settings::from(Model::Traction);
     let with = nut(&reference["case"], &json!({}), &settings).expect("a nut");
@@ -141,7 +141,7 @@ fn torque_with_sufficient_gap_matches_individually_solved_balls() {
 /// which balls spin without friction. With raceway control, the range differs by a few percent from
 /// the range with model `traction`.
 #[test]
-fn ball_contact_torque_range_uses_traction_or_raceway_control() {
+fn torque_range_for_assumed_push_forces_is_calculated_with_traction_or_raceway_control() {
     let case = &reference_cases()[1]["case"];
     let band = |model: Model| {
         let report = nut(case, &json!({}), &Settings::from(model)).expect("a nut");
@@ -177,7 +177,7 @@ fn invalid_inputs_of_the_ball_train_are_rejected() {
 }
 
 #[test]
-fn reason_is_stated_if_push_forces_have_no_solution() {
+fn reason_is_stated_if_push_forces_cannot_be_calculated() {
     let case = &reference_cases()[1]["case"];
     for (change, settings, says) in [
         (json!({}), Settings::from(Model::RacewayControl), "require model traction"),
@@ -280,7 +280,7 @@ fn too_many_balls_are_reported() {
 
 /// The sheet of an axis states whether its torque includes touching balls.
 #[test]
-fn axis_sheet_states_whether_its_torque_includes_touching_balls() {
+fn axis_sheet_states_whether_its_torque_includes_ball_to_ball_friction() {
     let says = |change: Value| {
         let mut case = json!({
             "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 12, "contact_angle_deg": 45,

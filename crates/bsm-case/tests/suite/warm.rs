@@ -131,7 +131,7 @@ fn air_temperature_defaults_to_20_degrees() {
 
 /// The reference folds have a tolerance of 1e-5.
 #[test]
-fn folds_match_reference_cases() {
+fn thermal_folds_match_reference_cases() {
     for id in ["WS-P3", "WS-P6"] {
         let (case, reference) = case(id, |case| case["fold_search_factor"] = json!(2.5));
         let numbers = AnalysisKind::Warm
@@ -152,7 +152,7 @@ fn folds_match_reference_cases() {
 /// The reference determines the fold of WS-P3 to 0.05 K, which corresponds to 40 N. It determines
 /// the unstable state to the tolerance of the case.
 #[test]
-fn fold_and_unstable_state_match_the_reference() {
+fn thermal_fold_and_unstable_warm_state_match_the_reference() {
     let (axis, reference) = case("WS-P3", |_| {});
     let sheet = AxisReport::of(&axis, &settings()).expect("an axis");
     let fold = &reference["expect"]["fold_temperatures_C"];
@@ -189,7 +189,7 @@ fn fold_and_unstable_state_match_the_reference() {
 
 /// The cold life equals the life under the same cycle without a warm state.
 #[test]
-fn cold_life_equals_the_life_without_a_warm_state() {
+fn life_at_assembly_temperature_equals_the_life_without_a_warm_state() {
     let lives = |warm: bool, name: &str| {
         let (case, _) = case("WS-P6", |case| {
             case["warm_state"] = json!(warm);
@@ -218,7 +218,7 @@ fn warm_state_columns_are_available_for_a_nut_given_by_circuits() {
 
 /// WS-P3 has no steady state above its fold. The rule states the speed ratio, 1166.55 of 1500 rpm.
 #[test]
-fn steady_state_rule_fails_above_the_fold() {
+fn steady_state_rule_fails_above_the_thermal_fold() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
     let report = AxisReport::of(&case, &settings()).expect("an axis");
     assert!(!report.passes());
@@ -337,7 +337,7 @@ fn warm_states_exist_where_balls_lose_their_load() {
 
 /// A preload causes drag even in a cycle without loads, and the preload rules apply.
 #[test]
-fn preload_causes_drag_without_load() {
+fn preload_causes_drag_in_a_cycle_without_load() {
     let (case, _) = case("WS-P3", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let [mean, steady] =
@@ -351,7 +351,7 @@ fn preload_causes_drag_without_load() {
 /// Above the fold, only the results at the fold exist. The error for other results states why they
 /// are missing.
 #[test]
-fn error_states_why_columns_are_missing_above_the_fold() {
+fn error_states_why_columns_are_missing_above_the_thermal_fold() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
     let numbers = |names: &[&str]| {
         AnalysisKind::Warm.numbers(
@@ -372,7 +372,7 @@ fn error_states_why_columns_are_missing_above_the_fold() {
 /// The uncertainty band of WS-P2 agrees with the reference to its tolerance of 1e-3. Values that
 /// are given are not varied, which narrows the band.
 #[test]
-fn given_values_narrow_the_uncertainty_band() {
+fn specified_thermal_inputs_narrow_the_uncertainty_band_of_the_warm_state() {
     let band = |change: &dyn Fn(&mut Value)| {
         let (case, reference) = case("WS-P2", |case| {
             case["fold_search_factor"] = json!(1.01);
@@ -426,7 +426,7 @@ fn thermal_compression_reduces_the_buckling_safety() {
 /// of states of an X pair ends at a fold, with dry friction and with a lubricant, and then returns
 /// to lower speeds at higher preloads. The branch of an O pair has no fold.
 #[test]
-fn warm_states_have_a_fold_for_x_pairs_but_not_for_o_pairs() {
+fn warm_states_of_x_pairs_have_a_thermal_fold_and_those_of_o_pairs_have_none() {
     let oil = ["iso_vg", "ball_roughness_um", "nut_roughness_um", "screw_roughness_um"];
     for (arrangement, dry) in [("X", false), ("X", true), ("O", false), ("O", true)] {
         let word = format!("preload_arrangement={arrangement}");

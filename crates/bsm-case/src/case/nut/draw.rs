@@ -37,7 +37,7 @@ mod tests {
     /// For N = 20 000 draws, the mean deviates from 0 by at most 5/√N, and the standard deviation
     /// deviates from 1 by at most 5/√(2N). These limits are five standard errors.
     #[test]
-    fn draws_are_normally_distributed() {
+    fn normal_random_numbers_have_mean_0_and_standard_deviation_1() {
         let mut rng = ChaCha8Rng::seed_from_u64(7);
         let draws: Vec<_> = (0..20_000).map(|_| normal(&mut rng)).collect();
         let mean = draws.iter().sum::<f64>() / 2e4;
