@@ -28,7 +28,7 @@ fn example_cases_match_the_published_cases() {
 /// A check of a published trend must fail if the recorded number of curves with this trend is
 /// wrong, or if a trend that does not hold is not recorded.
 #[test]
-fn checks_fail_if_trends_differ_from_the_recorded_findings() {
+fn checks_of_published_trends_fail_if_the_recorded_findings_are_wrong() {
     let dir = folder();
     let data = copy_published(dir.path());
     let file = data.join("xu2015/trends.csv");
@@ -127,7 +127,7 @@ fn jam_output_contains_verdicts_and_margins() {
 /// Regression test: the trends stated in a paper were once printed below the user's own results.
 /// Only `validate` should print these trends.
 #[test]
-fn slip_plots_do_not_show_the_trends_of_a_paper() {
+fn slip_and_jamming_plots_of_a_user_case_do_not_show_published_trends() {
     let dir = folder();
     for (what, case, figure, label) in [
         ("slip", "xu2015.json", "slip-traction-lead-angle-screw", "spin, printed"),

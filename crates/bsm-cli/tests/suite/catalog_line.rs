@@ -167,7 +167,7 @@ fn commands_accept_a_catalog_line_or_report_why_they_cannot() {
 /// A table of screws that are specified only by their load ratings must contain intervals in JSON
 /// and CSV. The comparison of two such screws must contain intervals in `axis` and in the browser.
 #[test]
-fn lists_and_offers_of_catalog_lines_have_intervals() {
+fn lists_and_offers_from_catalog_data_contain_intervals() {
     let dir = folder();
     write_catalog_line(dir.path());
     let rows = LINES.lines().zip(["nut", "R40", "SFU", "misprint"]);

@@ -181,7 +181,7 @@ fn bad_catalog_requests_are_reported() {
 /// Regression test: figures were drawn for a fixed nut instead of the listed nuts. With the lists
 /// of Fig 3 of Sobolewski (2002), eight tables therefore contained only a header.
 #[test]
-fn figures_are_drawn_for_the_listed_sizes() {
+fn figures_show_the_listed_sizes_of_nuts() {
     let dir = folder();
     let lists = |leads: &str| {
         format!(
@@ -228,7 +228,7 @@ fn figures_are_drawn_for_the_listed_sizes() {
 }
 
 #[test]
-fn friction_is_fitted_to_a_torque() {
+fn solve_with_the_fitted_friction_coefficient_reproduces_the_measured_torque() {
     let dir = folder();
     let feed_drive = example("feed_drive.json");
     let args = ["fit", &feed_drive, "--measured", "screw_torque_Nm=26", "--json"];
@@ -260,7 +260,7 @@ fn friction_is_fitted_to_a_torque() {
 /// Fits two inputs to a table of measured points. The result must be printed, written as JSON and
 /// plotted.
 #[test]
-fn inputs_are_fitted_to_a_table() {
+fn inputs_can_be_fitted_to_a_table_of_measurements() {
     let dir = folder();
     let oil = example("feed_drive_oil.json");
     let points = "screw_speed_rpm,axial_load_N,screw_torque_Nm\n10,8000,26.60\n200,8000,26.44\n1500,8000,26.35\n3000,4000,13.45\n";
@@ -332,7 +332,7 @@ fn the_optimum_search_matches_the_closed_form() {
 /// Either angle determines the optimum value of the other angle. Of the figures of Lin, only those
 /// must be drawn whose inputs the case contains.
 #[test]
-fn optimum_is_found_from_lead_or_contact_angle_alone() {
+fn optimum_is_found_if_only_lead_angle_or_only_contact_angle_is_known() {
     let dir = folder();
     let of = |setting: &str| {
         let args = [
@@ -380,7 +380,7 @@ fn optimum_is_found_from_lead_or_contact_angle_alone() {
 /// built-in table with decimal commas) must be used unchanged. Continuous sizes must be used only
 /// on request.
 #[test]
-fn sizes_come_from_manufacturers_or_a_table() {
+fn sizes_can_be_taken_from_manufacturer_catalogs_or_from_a_table() {
     let dir = folder();
     let requirement = example("requirements/axis.json");
     let case = |more: &[&str]| {

@@ -94,7 +94,7 @@ fn last_digit(number: &str) -> f64 {
 }
 
 #[test]
-fn relevant_differences_between_texts_are_found() {
+fn comparison_of_printed_texts_ignores_only_times_and_rounding_errors() {
     let table = "efficiency  angle nut deg  time us  status\n0.98592  3.3e-13  3.71  converged";
     for (same, other) in [
         (true, table.to_owned()),
@@ -405,7 +405,7 @@ fn contains_number(text: &str, number: &str) -> bool {
 }
 
 #[test]
-fn bare_and_printed_numbers_are_detected() {
+fn numbers_without_code_formatting_are_detected() {
     for (text, bare) in [
         ("efficiency `0.96609`", None),
         ("differs: by (X13), Eqs 7 and 8, Figs 4 to 6; $r_b/2$", None),
@@ -436,7 +436,7 @@ fn bare_and_printed_numbers_are_detected() {
 /// Regression test: ten rows contained numbers that their commands did not print, because only
 /// numbers in backquotes were compared.
 #[test]
-fn commands_in_the_papers_table_print_the_stated_numbers() {
+fn commands_in_the_table_of_papers_print_the_stated_numbers() {
     let rows = rows(&papers());
     for row in &rows {
         assert!(VERDICTS.iter().any(|verdict| row.verdict.starts_with(verdict)), "{}", row.text);
@@ -493,7 +493,7 @@ fn commands_in_the_papers_table_print_the_stated_numbers() {
 /// The parser must find the commands and the verdict in a row. The page that accompanies the table
 /// must state how many verdicts of each kind each paper has.
 #[test]
-fn papers_table_is_parsed_and_its_page_counts_the_verdicts() {
+fn table_of_papers_is_parsed_and_its_page_states_the_number_of_verdicts() {
     let text = "paper,item,equation,command,paper_value,our_value,verdict\n\
                 a,Eq 1,(Q1),\"`bsm a`, `bsm b --c 'd e'`\",1,`2`,differs: why\n";
     let rows = rows(text);

@@ -26,7 +26,7 @@ slow,C,40,10,60000,120000,800,0.3 Ca
 /// for standard sizes. Text columns must be kept, and the case of the first nut must contain its
 /// order code.
 #[test]
-fn list_options_apply_to_a_table_of_nuts() {
+fn options_for_lists_apply_to_a_table_of_nuts() {
     let dir = folder();
     let path = dir.path();
     fs::write(path.join("lines.csv"), LINES).expect("a table");
@@ -94,7 +94,7 @@ fn list_options_apply_to_a_table_of_nuts() {
 /// the lead, and one row has a ratio of calculated to stated rating that is far from the median of
 /// the table.
 #[test]
-fn rows_that_contradict_their_geometry_are_reported() {
+fn table_rows_whose_ratings_or_balls_contradict_their_geometry_are_reported() {
     let dir = folder();
     let path = dir.path();
     let table = fs::read_to_string(example("manufacturer_table.csv")).expect("a table");
@@ -178,7 +178,7 @@ fn answers_are_displayed_in_inch_units() {
 /// The sheet must contain everything that an order requires: the manufacturer, the order code, the
 /// process force of each phase, and fields for signatures.
 #[test]
-fn sheet_contains_process_force_and_signature_fields() {
+fn axis_sheet_contains_ordering_data_and_process_forces_and_signature_fields() {
     let dir = folder();
     let cycle = r#"cycle=[{"time_s": 1, "feed_m_min": 6, "force_N": 1234, "end_force_N": 2345}, {"time_s": 1, "feed_m_min": -6}]"#;
     let case = example("axis.json");

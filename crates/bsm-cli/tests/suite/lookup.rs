@@ -25,7 +25,7 @@ fn matrix(lines: &[&str], between: char) -> Vec<Vec<f64>> {
 /// The lookup table must contain the same numbers as the ordinary table. Its rows must correspond
 /// to the first varied input and its columns to the second varied input.
 #[test]
-fn lookup_table_matches_the_ordinary_table() {
+fn values_in_a_lookup_table_match_the_ordinary_table() {
     let dir = folder();
     // A model is selected because `auto` would write a message into each row, and messages may
     // contain commas.
@@ -81,7 +81,7 @@ fn lookup_table_of_one_varied_input_contains_all_outputs() {
 
 /// A lookup table with gaps must not be written, because a drive model could not use it.
 #[test]
-fn lookup_table_with_gaps_is_rejected() {
+fn lookup_table_with_missing_values_is_rejected() {
     let dir = folder();
     let refused = |options: &[&str], code: i32, words: &str| {
         let (found, told) = sweep(dir.path(), "feed_drive.json", options);

@@ -135,7 +135,7 @@ fn nut_results_match_the_reference_cases() {
 /// calculated from its preload; its results must agree to within 1e-8, the tolerance of the preload
 /// search.
 #[test]
-fn short_nut_inputs_are_equivalent_to_complete_objects() {
+fn short_forms_of_nut_inputs_are_equivalent_to_complete_json_objects() {
     let same = |short: &Value, long: &Value, tolerance: f64| {
         let run = |change: &Value| {
             let mut case = single_nut();
@@ -259,7 +259,7 @@ fn contradictory_nut_inputs_are_rejected() {
 /// `--set` must accept text values for a nut, and a load of zero, which is not valid for a single
 /// ball.
 #[test]
-fn set_option_accepts_text_values() {
+fn option_set_accepts_text_values() {
     let (_, found, words) = answer(&single_nut().to_string(), &["--set", "nut_guidance=free"]);
     assert!(found["nut_tilt_urad"].as_f64().expect("a tilt") > 1.0, "{words}");
     let pulled = ["--set", "axial_load_N=-6340"];
@@ -516,7 +516,7 @@ fn a_preload_force_applies_to_the_cold_nut() {
 /// Regression test: for a load in the negative direction, a negative limit load was compared with
 /// the magnitude of the load. Therefore, a symmetric pair failed the rule in this direction.
 #[test]
-fn remaining_preload_does_not_depend_on_the_direction_of_the_load() {
+fn remaining_preload_of_a_loaded_pair_does_not_depend_on_the_direction_of_the_load() {
     let margin = |load: f64| {
         let axis = json!({ "axial_load_N": load, "stroke_mm": 800, "support": "fixed-supported" });
         let dir = folder();
@@ -535,7 +535,7 @@ fn remaining_preload_does_not_depend_on_the_direction_of_the_load() {
 /// Regression test: the axis sheet used temperature rises to calculate the lives, but stated that
 /// the preload does not depend on the temperature.
 #[test]
-fn nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
+fn commands_nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
     let axis = json!({
         "screw_temperature_rise_K": 5, "preload_arrangement": "X", "axial_load_N": 3000,
         "stroke_mm": 800, "support": "fixed-supported", "youngs_modulus_GPa": 207
@@ -583,7 +583,7 @@ fn a_ball_outside_its_groove_is_rejected() {
 /// Regression test: the search took 0.1 s for every ball without a solution, so that a nut with a
 /// thousand balls was still not solved after 200 s.
 #[test]
-fn first_ball_without_a_solution_ends_the_search() {
+fn solve_of_a_nut_stops_at_the_first_ball_without_a_solution() {
     let case = fs::read_to_string(example("nut_free.json")).expect("an example");
     let mut case: Value = serde_json::from_str(&case).expect("JSON");
     let map = case.as_object_mut().expect("object");
@@ -611,7 +611,7 @@ fn first_ball_without_a_solution_ends_the_search() {
 /// Regression test: the upper bound of the contact load was calculated as if both nuts of a pair
 /// without preload carried the load. A contact load of 505.6 N exceeded its bound of 476.8 N.
 #[test]
-fn contact_load_of_a_pair_without_preload_has_no_upper_bound() {
+fn no_upper_bound_on_contact_load_is_reported_for_a_pair_without_preload() {
     let case = fs::read_to_string(example("nut_double.json")).expect("an example");
     let mut case: Value = serde_json::from_str(&case).expect("JSON");
     let map = case.as_object_mut().expect("object");
@@ -636,7 +636,7 @@ fn contact_load_of_a_pair_without_preload_has_no_upper_bound() {
 /// and the message "NaN of their sum is left". They also accepted overlapping circuits, an arc of
 /// 1e308 deg, and a converged nut in which a ball had no force balance.
 #[test]
-fn unusual_nuts_are_rejected_or_explained() {
+fn unusual_nut_inputs_are_rejected_or_cause_a_note() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
     let (_, found, _) = answer(&double, &["--set", "axial_load_N=-5"]);
     assert!(number(&found, "nut_efficiency") < 0.0, "{found}");
@@ -672,7 +672,7 @@ fn unusual_nuts_are_rejected_or_explained() {
 /// Regression test: `nut` determined the number of balls from circuits and gaps, but `solve` did
 /// not and chose a model that calculates no loads.
 #[test]
-fn solve_counts_the_balls_of_circuits_with_gaps() {
+fn command_solve_counts_the_balls_of_circuits_with_gaps() {
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &example("nut_free.json"), "--json"], "");
     let solved: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
@@ -764,7 +764,7 @@ fn nut_friction_vanishes_at_zero_load() {
 /// Regression test: `nut` ignored the weight of the moved mass, whereas `axis` added it to the
 /// axial load.
 #[test]
-fn nut_and_axis_add_the_weight_to_the_axial_load() {
+fn commands_nut_and_axis_add_the_weight_to_the_axial_load() {
     let nut = fs::read_to_string(example("nut.json")).expect("an example");
     let words = [
         "axial_load_N=3000",
@@ -791,7 +791,7 @@ fn nut_and_axis_add_the_weight_to_the_axial_load() {
 /// Regression test: `solve --show ratings` and `axis` rejected the example feed drive, because the
 /// case does not state the number of loaded turns.
 #[test]
-fn ratings_axis_and_nut_accept_the_example_feed_drives() {
+fn commands_ratings_and_axis_and_nut_accept_the_example_feed_drives() {
     let dir = folder();
     for case in ["feed_drive.json", "feed_drive_oil.json"] {
         for args in [
@@ -808,7 +808,7 @@ fn ratings_axis_and_nut_accept_the_example_feed_drives() {
 /// A centrifugal force of 1 % of the load requires no action, so it must cause a note and not a
 /// warning.
 #[test]
-fn small_centrifugal_force_causes_a_note_and_no_warning() {
+fn small_centrifugal_force_causes_a_note_but_no_warning() {
     let guided = fs::read_to_string(example("nut_guided.json")).expect("an example");
     let at = |rpm: u32| answer(&guided, &["--set", &format!("screw_speed_rpm={rpm}")]).1;
     let said = |found: &Value, of: &str| found[of].to_string().contains("centrifugal");
@@ -820,7 +820,7 @@ fn small_centrifugal_force_causes_a_note_and_no_warning() {
 
 /// Regression test: given losses of seals and ball returns were ignored without a message.
 #[test]
-fn given_losses_are_included_in_the_drive_torque() {
+fn specified_losses_are_included_in_the_drive_torque() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
     let (_, dry, _) = answer(&double, &[]);
     let (_, sealed, _) = answer(&double, &["--set", "seal_torque_Nm=0.1"]);

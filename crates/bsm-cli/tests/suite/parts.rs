@@ -67,7 +67,7 @@ fn spawn(folder: &Path, args: &[&str]) -> Child {
 }
 
 #[test]
-fn a_plan_is_solved_by_several_processes_and_verified() {
+fn several_processes_solve_one_plan_and_write_parts_that_pass_verification() {
     let dir = folder();
     let run = |code, args: &[&str]| run_checked(dir.path(), code, args);
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
@@ -606,14 +606,14 @@ fn run_commands_on_modified_folders(seed: u64, step: usize) -> (usize, usize) {
 }
 
 #[test]
-fn no_command_accepts_a_modified_folder() {
+fn no_command_accepts_a_dataset_folder_with_a_modified_file() {
     let (runs, _) = run_commands_on_modified_folders(3704, 10);
     assert!(runs >= 30);
 }
 
 #[test]
 #[ignore = "a minute: `just faults`"]
-fn no_command_accepts_any_of_sixty_modifications() {
+fn no_command_accepts_a_dataset_folder_with_any_of_sixty_modifications() {
     let (runs, mended) = run_commands_on_modified_folders(3705, 1);
     assert!(runs >= 300);
     println!("0 silent, 0 false: {runs} runs over {} kinds, {mended} mended", runs / 5);
@@ -658,7 +658,7 @@ fn stopped_run_leaves_no_temporary_files() {
 /// If a folder cannot be written, the exit code must be 1, and it must be possible to continue the
 /// run later. A full disk is tested on a small file system if one can be mounted.
 #[test]
-fn a_folder_without_write_access_is_reported() {
+fn dataset_folder_without_write_access_is_reported() {
     let dir = folder();
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
     let plan = [&sweep(&drive, loads, "map/", "40")[..], &["--plan"]].concat();
@@ -818,7 +818,7 @@ fn scheduler_examples_solve_a_plan() {
 
 /// The table in the guide must agree with the plans that the program prints.
 #[test]
-fn guide_numbers_match_the_printed_plans() {
+fn numbers_in_the_scaling_guide_match_the_printed_plans() {
     let dir = folder();
     let drive = drive();
     let mut table = String::new();

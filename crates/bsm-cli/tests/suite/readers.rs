@@ -223,7 +223,7 @@ fn duplicate_option_is_rejected() {
 }
 
 #[test]
-fn set_option_accepts_a_description() {
+fn option_set_accepts_a_text_with_spaces_as_the_description() {
     let dir = folder();
     let args = ["solve", &example("feed_drive.json"), "--set", "description=my screw", "--json"];
     let output = bsm(dir.path(), &args, "");

@@ -85,7 +85,7 @@ fn check_fails_if_its_reference_value_is_changed() {
 }
 
 #[test]
-fn tradeoff_measures_the_points_of_a_table() {
+fn command_tradeoff_measures_only_the_points_of_a_table() {
     let dir = folder();
     let cases = fs::read_to_string(validation().join("golden/tradeoff/cases.csv")).expect("data");
     let few: Vec<_> = cases.lines().take(4).collect();

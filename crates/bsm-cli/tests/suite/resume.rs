@@ -545,7 +545,7 @@ fn resume_keeps_temporary_files_of_the_user() {
 /// Regression test: the program waited forever if a pipe replaced the plan file or the table of
 /// points.
 #[test]
-fn program_does_not_wait_for_pipes_in_place_of_files() {
+fn run_does_not_wait_forever_if_a_named_pipe_replaces_an_input_file() {
     let dir = folder();
     let fifo = |name: &str| {
         let made = Command::new("mkfifo").arg(dir.path().join(name)).status();

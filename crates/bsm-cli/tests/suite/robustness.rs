@@ -162,7 +162,7 @@ fn output_pipes_are_written_to_and_not_replaced() {
 }
 
 #[test]
-fn links_and_protected_files_are_kept() {
+fn symbolic_links_and_write_protected_files_are_not_replaced() {
     let dir = folder();
     let at = |name: &str| dir.path().join(name);
     let drive = example("feed_drive.json");
@@ -347,7 +347,7 @@ fn run_with_limits(limits: &str, args: &[&str], folder: &Path) -> Option<Output>
 
 /// Regression test: a thread that could not be started caused a panic.
 #[test]
-fn a_failed_thread_start_does_not_panic() {
+fn program_does_not_panic_if_a_thread_cannot_be_started() {
     let dir = folder();
     let drive = example("feed_drive.json");
     // Each stack takes 2 MiB, so that the memory limit allows only some of the 1024 threads.
@@ -395,7 +395,7 @@ fn program_size_in_kb() -> u64 {
 /// limit, Rust's runtime aborts before `main`, because it cannot allocate the stack for signal
 /// handlers.
 #[test]
-fn low_memory_does_not_panic() {
+fn program_does_not_panic_if_memory_is_low() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let sweep =
@@ -562,7 +562,7 @@ fn reading_an_endless_device_stops_at_the_size_limit() {
 /// Regression test: every nut of a catalog was held in memory several times, which took 2.7 GB for
 /// five million nuts.
 #[test]
-fn large_catalog_is_not_copied_in_memory() {
+fn memory_needed_for_a_large_catalog_is_less_than_one_copy_of_its_table() {
     let dir = folder();
     let list = |from: f64, step: f64, count: u32| {
         let values: Vec<_> = (0..count).map(|i| (from + step * f64::from(i)).to_string()).collect();
@@ -633,7 +633,7 @@ fn messages_and_results_do_not_contain_nan() {
 /// Regression test: a control character in a description was printed on the terminal and made the
 /// plot invalid.
 #[test]
-fn control_characters_reach_neither_terminal_nor_plot() {
+fn control_characters_of_an_input_are_written_to_neither_terminal_nor_plot() {
     let dir = folder();
     let text = fs::read_to_string(example("feed_drive.json")).expect("an example");
     let start = text.find("\"description\": \"").expect("has one") + 16;
@@ -800,7 +800,7 @@ fn file_names_need_not_be_utf8() {
 /// Tables written by other programs must be solved, or rejected with a message that states the
 /// reason.
 #[test]
-fn tables_of_other_programs_are_solved_or_rejected() {
+fn tables_written_by_other_programs_are_solved_or_rejected() {
     let dir = folder();
     let utf16 = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
     let marked = [&b"\xff\xfe"[..], &utf16("axial_load_N\n2000\n")].concat();
@@ -892,7 +892,7 @@ fn tables_of_other_programs_are_solved_or_rejected() {
 
 /// Locale, terminal, home folder and temporary folder must not affect answers.
 #[test]
-fn answers_do_not_depend_on_the_environment() {
+fn results_do_not_depend_on_environment_variables() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let args = ["solve", &drive, "--show", "sensitivities"];

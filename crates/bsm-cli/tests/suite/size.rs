@@ -359,7 +359,7 @@ fn lubricated_solve_prints_a_note_instead_of_a_warning() {
 /// If a rule fails, the exit code must be 3, and the sheet must suggest remedies. With each of
 /// these remedies, the rule must be met.
 #[test]
-fn suggested_remedies_meet_the_violated_rule() {
+fn violated_rule_is_met_after_any_suggested_remedy_is_applied() {
     let dir = folder();
     let sheet = |settings: &[&str]| {
         let axis = example("axis.json");
@@ -532,7 +532,7 @@ fn every_command_accepts_a_selected_nut() {
 /// Regression test: `axis` checked the same contact ellipse with three different rules, and `--show
 /// ellipses` with none.
 #[test]
-fn ellipses_beyond_their_flanks_are_reported_by_one_rule() {
+fn each_contact_ellipse_that_extends_beyond_its_flank_is_reported_exactly_once() {
     let dir = folder();
     let drive = example("feed_drive.json");
     for load in ["axial_load_N=200000", "axial_load_N=8000"] {
@@ -560,7 +560,7 @@ fn ellipses_beyond_their_flanks_are_reported_by_one_rule() {
 /// Regression test: `solve` omitted the note about missing churning losses in cold oil, which
 /// `axis` printed.
 #[test]
-fn every_command_notes_missing_churning_losses() {
+fn every_command_prints_a_note_about_missing_churning_losses() {
     let dir = folder();
     let oil = example("feed_drive_oil.json");
     let lacks = |command: &str, more: &[&str]| {
