@@ -82,7 +82,7 @@ mod tests {
     /// Values at a limit meet it in spite of rounding errors, and NaN meets no limit. A negative
     /// value is below an upper limit.
     #[test]
-    fn values_within_limits_meet_them() {
+    fn value_at_a_limit_meets_the_limit_in_spite_of_rounding_errors() {
         let both = Bounds { least: Some(0.3), most: Some(2.0) };
         for (value, is_met) in [(0.1 + 0.2, true), (0.299, false), (2.0, true), (2.01, false)] {
             assert_eq!(both.are_met_by(value), is_met, "{value}");

@@ -208,7 +208,7 @@ mod tests {
     /// Hand calculation for a travel of 1000 mm: C7 permits 0.167 mm (THK A-723), and C3 permits 21
     /// + 15/2 um. C3 is the coarsest grade for a limit of 28.5 um, because C5 permits more.
     #[test]
-    fn the_coarsest_sufficient_grade_is_found() {
+    fn coarsest_accuracy_grade_that_meets_a_travel_error_limit_is_found() {
         let of = |name: &str| Grade::named(name).expect("a grade");
         let worst = |name: &str| of(name).worst_error(1.0).map(|x| (1e7 * x).round() / 10.0);
         assert_eq!(["C7", "C3"].map(worst), [Some(166.7), Some(28.5)]);

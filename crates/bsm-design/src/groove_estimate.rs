@@ -595,7 +595,7 @@ mod tests {
 
     /// Hypotheses, best groove and evidence of one nut match an independent implementation.
     #[test]
-    fn sfu1605_estimate_matches_an_independent_implementation() {
+    fn groove_estimate_for_the_nut_sfu1605_matches_an_independent_implementation() {
         let estimate = sfu().estimate().expect("usual ratings");
         // The reference evidence is printed with three decimals.
         assert!((estimate.ln_evidence - 0.413).abs() < 1e-3, "{}", estimate.ln_evidence);
@@ -622,7 +622,7 @@ mod tests {
     /// The evidence for rows with additional or missing values matches an independent
     /// implementation to the three printed decimals.
     #[test]
-    fn evidence_with_given_quantities_matches_an_independent_implementation() {
+    fn evidence_for_rows_with_more_or_fewer_values_matches_an_independent_implementation() {
         let near = |line: CatalogLine, expected: f64| {
             let evidence = line.estimate().expect("usual ratings").ln_evidence;
             assert!((evidence - expected).abs() < 1e-3, "{evidence} {expected}");
@@ -680,7 +680,7 @@ mod tests {
     /// The best groove and every draw contain the given quantities exactly, and the set of likely
     /// balls is reduced to one.
     #[test]
-    fn given_quantities_are_kept_exactly() {
+    fn groove_estimate_keeps_specified_quantities_exactly() {
         let given = CatalogLine {
             ball_diameter: Some(3.2e-3),
             pitch_diameter: Some(16.8e-3),
@@ -721,7 +721,7 @@ mod tests {
 
     /// The first draws do not depend on the total number of draws.
     #[test]
-    fn first_draws_do_not_depend_on_the_number_of_draws() {
+    fn first_random_grooves_do_not_depend_on_the_total_number_of_random_grooves() {
         let estimate = sfu().estimate().expect("usual ratings");
         assert_eq!(estimate.draws(FEW_DRAWS), estimate.draws(DRAWS)[..FEW_DRAWS]);
     }
@@ -738,7 +738,7 @@ mod tests {
     /// The ratings of every combination are calculated once, so the lengths of the lists limit the
     /// cost of an estimate.
     #[test]
-    fn number_of_hypotheses_is_bounded() {
+    fn number_of_groove_hypotheses_for_a_catalog_row_is_bounded() {
         for (nominal, lead) in [(8.0, 2.0), (16.0, 5.0), (40.0, 20.0), (100.0, 20.0)] {
             let estimate =
                 line(nominal, lead, 1e4, 2e4).weighted(&Prior::USUAL).expect("balls fit");

@@ -174,7 +174,7 @@ mod tests {
     /// For a straight line with scattered points, slope, offset and standard deviations match
     /// linear regression.
     #[test]
-    fn deviations_of_a_line_match_linear_regression() {
+    fn standard_deviations_of_a_fitted_line_match_linear_regression() {
         let data = [(0.0, 1.1), (1.0, 1.9), (2.0, 3.2), (3.0, 3.8)];
         let found =
             fit(&[0.5, 0.5], &[(-10.0, 10.0), (-10.0, 10.0)], |x, t| x[0] + x[1] * t, &data);

@@ -803,7 +803,7 @@ mod tests {
     /// Hand calculation: for a load from 0 to 20 kN, the mean of the cubed load is 20³/4. For a
     /// load from F₀ to F₁, it is (F₀ + F₁)(F₀² + F₁²)/4.
     #[test]
-    fn equivalent_duty_reproduces_the_mean_cube_of_a_linear_load() {
+    fn equivalent_loads_reproduce_the_mean_cube_of_a_load_that_changes_linearly() {
         for load in [[0.0, 20e3], [3e3, 8e3], [-2e3, 5e3]] {
             let phase = ramp([10.0; 2], load);
             let duty = phase.duty(None);
@@ -818,7 +818,7 @@ mod tests {
     /// A ramp through standstill becomes two phases, because guide friction changes sign. The hand
     /// calculation is for a ramp from 12 to -12 m/min in 0.4 s.
     #[test]
-    fn ramps_are_split_at_standstill() {
+    fn speed_ramps_are_split_where_the_speed_is_zero() {
         let table = MachineTable { mass: 400.0, friction: 0.01, ..MachineTable::NONE };
         let feeds = [0.2, -0.2].map(DutySpeed::of_feed);
         let turned =

@@ -64,7 +64,7 @@ mod tests {
     /// Wald and Wolfowitz: of the 70 orders of four positive and four negative signs, 2 have two
     /// runs, 6 have three runs and 18 have four runs.
     #[test]
-    fn run_probabilities_match_counted_sign_orders() {
+    fn probabilities_of_the_number_of_runs_match_counted_sign_sequences() {
         let of = |signs: &[f64]| SignRuns::of(signs.iter().copied()).expect("both signs");
         let two = of(&[1.0, 2.0, 0.5, 1.0, -1.0, -3.0, -1.0, -0.1]);
         assert_eq!(two.runs, 2);

@@ -298,7 +298,7 @@ mod tests {
     /// The sine has three known roots between -1 and 7. If the function is not defined beyond 4,
     /// only one root remains between 1 and 7. One of the roots coincides with a grid point.
     #[test]
-    fn all_sign_changes_are_found() {
+    fn root_search_finds_all_sign_changes() {
         let sine = |x: f64| Ok::<_, SearchError>(x.sin());
         let all = sign_changes(sine, (-1.0, 7.0)).expect("a sine");
         // Roots are refined to 1e-10 of the interval. The error of the derivative is of the order

@@ -340,7 +340,7 @@ mod tests {
     /// The roots satisfy their frequency equations, which are rewritten so that all terms are of
     /// order one.
     #[test]
-    fn roots_solve_the_frequency_equations() {
+    fn tabulated_roots_of_beam_frequency_equations_satisfy_these_equations() {
         let [free, tilting, one, fixed] = all().map(EndFixity::frequency_root);
         for residual in [
             free.cos() + free.cosh().recip(),

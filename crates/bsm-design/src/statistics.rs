@@ -100,7 +100,7 @@ mod tests {
     /// At a distance of 1000 standard deviations from both means, the density underflows, but its
     /// logarithm is still finite.
     #[test]
-    fn mixtures_are_finite_far_from_their_means() {
+    fn log_density_of_a_mixture_is_finite_far_from_its_means() {
         let [one, other] =
             [(0.0, 1.0), (1.0, 2.0)].map(|(mean, deviation)| Normal { mean, deviation });
         let mixture = [(0.3, one), (0.7, other)];

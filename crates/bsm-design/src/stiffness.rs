@@ -168,7 +168,7 @@ mod tests {
     /// Equation 5 of Sobolewski (2002) is a secant stiffness. The program used to print the tangent
     /// stiffness under the name of the secant stiffness.
     #[test]
-    fn secant_and_tangent_stiffness_are_distinct() {
+    fn secant_stiffness_and_tangent_stiffness_have_different_values() {
         let nut = elasticity();
         let load = 1e4;
         assert_relative_eq!(nut.secant(load), load / nut.displacement(load), max_relative = 1e-14);

@@ -220,7 +220,7 @@ mod tests {
     /// Without play, the formulas match the printed formulas of eq. 1 and of the core diameters.
     /// The contact angle can be recovered from the core diameters.
     #[test]
-    fn groove_formulas_match_the_printed_formulas() {
+    fn groove_dimensions_without_play_match_the_formulas_printed_in_the_paper() {
         let nut = nut();
         let tan = nut.contact_angle.tan();
         let Thread { nut: n, screw: s, .. } = thread(&nut, 0.0);

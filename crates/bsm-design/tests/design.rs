@@ -234,7 +234,7 @@ fn screw_with_a_rating_below_the_load_is_rejected() {
 /// A contact ellipse that extends beyond the land is rejected. With balls of 3.175 mm, the land is
 /// at a contact angle of 63 deg.
 #[test]
-fn contact_ellipse_beyond_the_land_is_rejected() {
+fn screw_whose_contact_ellipse_extends_beyond_the_groove_edge_is_rejected() {
     let fixed =
         FixedValues { ball: Some(3.175e-3), contact_angle: Some(1.1), ..FixedValues::default() };
     let requirement = Requirement { fixed, life: None, travel: Travel::Screw(0.2), ..feed_drive() };
@@ -254,7 +254,7 @@ fn contact_ellipse_beyond_the_land_is_rejected() {
 /// Fixed values do not change, and a fixed value outside its limits is reported as a blocking
 /// limit.
 #[test]
-fn search_keeps_fixed_values() {
+fn design_search_does_not_change_fixed_values() {
     let fixed = FixedValues {
         pitch_diameter: Some(40e-3),
         ball: Some(6.35e-3),
@@ -290,7 +290,7 @@ fn search_keeps_fixed_values() {
 /// The load follows from the torque (L1) independently of friction, so both specifications select
 /// the same screw.
 #[test]
-fn given_torque_and_equivalent_load_select_the_same_screw() {
+fn requirement_given_as_torque_selects_the_same_screw_as_its_equivalent_load() {
     let torque = 8e3 * 10e-3 / (2.0 * PI);
     let (by_load, _) = best_design(&feed_drive());
     let (by_torque, _) = best_design(&Requirement {

@@ -443,7 +443,7 @@ mod tests {
     /// The central 90 % of the conformities lie between 0.511 and 0.536, and the central 90 % of
     /// the contact angles lie between 41 and 49 deg.
     #[test]
-    fn unprinted_quantities_span_their_expected_ranges() {
+    fn central_90_percent_of_quantities_missing_in_catalogs_lie_in_their_expected_ranges() {
         let [low, high] = [-1.644_854, 1.644_854].map(|z| unprinted([z, z, 0.0, 0.0]));
         assert!((low.conformity - 0.5112).abs() < 1e-4 && (high.conformity - 0.5356).abs() < 1e-4);
         assert!((low.contact_angle.to_degrees() - 40.888).abs() < 1e-3);
