@@ -126,7 +126,7 @@ mod tests {
 
     /// The axial advance per turn equals the lead.
     #[test]
-    fn one_turn_advances_by_the_lead() {
+    fn helix_advances_by_the_lead_in_one_turn() {
         let rise = SCREW.frame(0.4 + TAU).p_WC - SCREW.frame(0.4).p_WC;
         assert_relative_eq!(rise, Vector3::new(0.0, 0.0, SCREW.lead()), epsilon = 1e-16);
     }
