@@ -86,7 +86,7 @@ mod tests {
 
     /// The initial step length of 8 exceeds the length of the path, which is 2.
     #[test]
-    fn failed_parameter_is_not_tried_again() {
+    fn continuation_does_not_retry_a_parameter_value_that_failed() {
         let (mut tried, control) = (Vec::new(), Continuation { first: 8.0, shortest: 0.1 });
         let end = follow(&mut [1.0], (1.0, -1.0), control, |x, y| {
             tried.push(x.to_bits());
@@ -98,7 +98,7 @@ mod tests {
 
     /// The failure is expected because y² = x has no root for negative x.
     #[test]
-    fn failure_reports_the_last_parameter_with_a_root() {
+    fn failed_continuation_reports_the_last_parameter_value_with_a_root() {
         let mut y = [1.0];
         let control = Continuation { first: 0.1, shortest: 1e-3 };
         let end = follow(&mut y, (1.0, -1.0), control, root).expect_err("the path ends");

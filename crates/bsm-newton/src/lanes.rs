@@ -134,7 +134,7 @@ mod tests {
 
     /// The first Newton step from 40 leads to -14, which is outside the domain.
     #[test]
-    fn step_beyond_the_domain_is_undone() {
+    fn newton_step_out_of_the_domain_is_undone() {
         let mut at = LaneIterate::starting_at([40.0], true);
         NEWTON.iterate(&Root, &mut at);
         assert!(at.has_ended, "{at:?}");
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn long_step_is_shortened() {
+    fn long_newton_step_is_shortened() {
         let newton = LaneNewton { max_length: 0.5, max_steps: 1, ..NEWTON };
         let mut at = LaneIterate::starting_at([1.0], true);
         newton.iterate(&Root, &mut at);

@@ -20,7 +20,7 @@ fn check_root(f: impl Fn(f64) -> f64, ends: [f64; 2], expected: f64, evaluations
 }
 
 #[test]
-fn smooth_functions_need_few_evaluations() {
+fn root_search_for_smooth_functions_needs_few_evaluations() {
     check_root(|x| x * x - 2.0, [0.0, 2.0], 2.0_f64.sqrt(), 8);
     check_root(|x| x.exp() - 10.0, [0.0, 5.0], 10.0_f64.ln(), 10);
     check_root(|x| 1.0 / x - 3.0, [1e-3, 1e3], 1.0 / 3.0, 13);
@@ -29,7 +29,7 @@ fn smooth_functions_need_few_evaluations() {
 
 /// With derivatives, the search uses Newton's method and ends when a step is short.
 #[test]
-fn search_with_derivatives_and_a_good_start_needs_three_evaluations() {
+fn root_search_with_derivatives_and_a_good_start_needs_three_evaluations() {
     let bracket =
         Bracket { start: Some(1.4), x_tol: 1e-8, ..Bracket::new([0.0, 2.0], [-2.0, 2.0]) };
     let found = bracket.root(|x| (x * x - 2.0, 2.0 * x)).root().expect("a sign change");
@@ -67,14 +67,14 @@ fn invalid_brackets_are_reported() {
 /// A pole is also a sign change. The search finds its location, and the reported function value is
 /// large.
 #[test]
-fn reported_value_at_a_pole_is_large() {
+fn function_value_that_root_search_reports_at_a_pole_is_large() {
     let found = root(|x| 1.0 / (x - 0.3), [0.0, 1.0]);
     assert!((found.x - 0.3).abs() <= 1e-15 && found.value.abs() > 1e14, "{found:?}");
 }
 
 /// Infinite values at the two ends of a bracket specify only the signs of the function.
 #[test]
-fn bracket_needs_only_the_signs_at_its_ends() {
+fn bracketed_root_search_needs_only_the_signs_at_the_ends_of_the_bracket() {
     let bracket = Bracket::new([0.0, 10.0], [f64::NEG_INFINITY, f64::INFINITY]);
     let found = bracket.root(f64::ln).root().expect("a sign change");
     assert!((found.x - 1.0).abs() <= 1e-15, "{found:?}");
@@ -132,7 +132,7 @@ fn results_are_within_the_tolerances() {
 
 /// `first_change` stops at the first sign change, zero, NaN or error.
 #[test]
-fn first_change_stops_at_the_first_sign_change() {
+fn search_for_the_first_sign_change_stops_at_this_sign_change() {
     let walk = |f: fn(f64) -> f64| {
         let places = [1.0, 2.0, 4.0];
         let Ok(change) =

@@ -68,7 +68,7 @@ fn bordered_block_matrix_matches_the_dense_solver() {
 /// unit loads. The same system is written as a ring of n + 1 unknowns whose last unknown is fixed
 /// and is part of the border.
 #[test]
-fn ring_is_solved_as_a_chain_with_a_border() {
+fn cyclic_tridiagonal_system_is_solved_as_a_bordered_tridiagonal_system() {
     const N: usize = 9;
     let mut ring = BorderedMatrix::<1>::new(N, 1);
     for i in 0..=N {

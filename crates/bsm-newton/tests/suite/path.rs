@@ -103,7 +103,7 @@ fn path_toward_a_pole_continues_until_the_caller_ends_it() {
 /// These failures are expected, because the domain of the equations is limited, or because there is
 /// no curve near the seed.
 #[test]
-fn lost_paths_and_missing_curves_are_reported() {
+fn failure_to_find_or_follow_a_solution_curve_is_reported() {
     let root = |x: f64, y: f64| {
         if x < 0.0 {
             return Err(EvalError { quantity: "x", value: x, requirement: "at least 0" });

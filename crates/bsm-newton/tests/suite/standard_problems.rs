@@ -149,7 +149,7 @@ fn convergence_is_quadratic_at_the_root() {
 }
 
 #[test]
-fn step_out_of_the_domain_is_halved() {
+fn newton_step_out_of_the_domain_is_halved() {
     let mut x = [4.0];
     let report = solve_equations(logarithm, &mut x);
     assert_eq!(report.status, Termination::Converged);
@@ -187,7 +187,7 @@ fn outcome_contains_residual_and_details_at_the_returned_point() {
 /// NaN. The next step then uses the Jacobian at the current point, and its residual is compared
 /// with the residual at the current point.
 #[test]
-fn failed_chord_step_is_replaced_by_a_newton_step() {
+fn chord_step_that_increases_the_residual_is_followed_by_a_newton_step() {
     let bent = |x: &[f64; 1]| match x[0] {
         x if x >= 0.5 => Ok(([x], [[1.0]])),
         x if x >= -0.01 => Ok(([0.05 - 10.0 * x], [[-10.0]])),
@@ -309,7 +309,7 @@ fn derivatives_of_a_root_match_the_closed_form() {
 /// the tangent equals the sign of the determinant. The length of the tangent is the reciprocal of
 /// the coefficient of the plane.
 #[test]
-fn path_direction_has_the_sign_of_the_determinant() {
+fn orientation_of_the_path_tangent_follows_the_sign_of_the_jacobian_determinant() {
     let rows = [[2.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
     for (order, sense) in [([0, 1], 1.0), ([1, 0], -1.0)] {
         let system = Problem(|_: &[f64; 3]| {
