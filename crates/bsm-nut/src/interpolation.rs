@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn smooth_functions_are_interpolated_from_few_values() {
+    fn interpolation_of_smooth_functions_needs_few_evaluations() {
         // The tolerance is relative to the largest function value, which is about 30.
         let (residual, asked) = error(1e-7, |[x, y]| (0.3 * x + 1e4 * y).exp());
         assert!(residual < 2e-7 * 30.0 && asked < 25, "{residual:e}, {asked}");
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn function_is_evaluated_once_at_equal_points() {
+    fn function_is_evaluated_only_once_if_all_interpolation_points_are_equal() {
         let mut asked = 0;
         let found = interpolated(&[[65.0, 0.0]; 98], [1e-7], |_| {
             asked += 1;

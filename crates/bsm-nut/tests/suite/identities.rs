@@ -109,7 +109,7 @@ fn ball_forces_add_up_to_the_load() {
 /// If stiff bars are anchored on the same side, the ball loads decrease with the distance from the
 /// anchors, as first-order theory predicts.
 #[test]
-fn stiff_bars_increase_the_load_on_the_ball_nearest_to_their_anchors() {
+fn axial_elasticity_of_nut_and_screw_increases_the_load_on_the_ball_nearest_to_the_supports() {
     let mut nut = nut_with_98_balls();
     let positions = nut.positions();
     let (first, last) = (positions[0].z, positions[positions.len() - 1].z);
@@ -272,7 +272,7 @@ fn cold_pair(x: bool) -> BallNut {
 /// in the warm nut, and a uniformly warm nut lost its preload by thermal expansion. The reference
 /// values have ten digits and come from an independent solution.
 #[test]
-fn preload_is_set_at_assembly_and_changes_with_temperatures() {
+fn preload_is_set_at_assembly_and_changes_with_temperature() {
     let table = [
         ([0.0, 0.0, 0.0], 2500.0, 2500.0),
         ([0.0, 2.0, 0.0], 3_110.702_842, 2_378.952_327),
@@ -335,7 +335,7 @@ fn a_ball_that_leaves_its_flank_is_rejected() {
 /// The balls can be loaded on only one flank, and no flank supports the opposite load, so the nut
 /// would move without limit.
 #[test]
-fn a_load_away_from_the_only_flank_is_rejected() {
+fn load_that_pulls_the_balls_off_their_only_flank_is_rejected() {
     let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
     let refused = nut.solve(&Support::guided(-500.0));
     assert!(matches!(refused, Err(NutError::NothingCarries { .. })));
@@ -346,7 +346,7 @@ fn a_load_away_from_the_only_flank_is_rejected() {
 /// A screw whose anchor is meters away from the nut elongates by more than the depth of a groove,
 /// but it still carries its load.
 #[test]
-fn a_long_screw_deforms_but_carries_its_load() {
+fn screw_that_elongates_by_more_than_the_groove_depth_carries_its_load() {
     let mut nut = nut_with_98_balls();
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
     let found = nut.solve(&Support::guided(100e3)).expect("carried");
@@ -360,7 +360,7 @@ fn a_long_screw_deforms_but_carries_its_load() {
 /// If the nut is displaced far from the undeformed screw, the bodies deform. An earlier version of
 /// the solver reported that no ball carries the load.
 #[test]
-fn a_large_prescribed_displacement_deforms_the_bodies() {
+fn large_prescribed_displacement_of_the_nut_is_taken_up_by_deformation_of_the_screw() {
     let mut nut = nut_with_98_balls();
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
     let loaded = nut.solve(&Support::guided(100e3)).expect("carried");
@@ -506,7 +506,7 @@ proptest! {
     /// A nut whose balls can be loaded on both flanks can carry any load. The solver balances the
     /// forces to 1e-12.
     #[test]
-    fn nut_with_contact_on_both_flanks_carries_any_load(
+    fn nut_with_balls_in_contact_on_both_flanks_carries_loads_in_any_direction(
         load in prop::array::uniform5(-1.0..1.0_f64),
         size in -1.0..5.0_f64,
         gap in 0.0..20e-6_f64,

@@ -359,7 +359,7 @@ fn random_ball_solutions_satisfy_power_balance_and_mirror_symmetry() {
 /// carries its load must have a friction torque. Third contacts must not occur unless the play is
 /// given.
 #[test]
-fn random_nuts_with_third_contacts_have_a_friction_torque() {
+fn random_nuts_that_carry_their_load_have_a_friction_torque() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
     let (mut solved, mut refused, mut thirds, mut on_two_contacts) = (0, 0, 0, 0);
     for number in 0..campaign(5000) {
@@ -509,7 +509,7 @@ fn contacts_are_mirrored_if_the_screw_is_turned_end_for_end() {
 /// Without friction, the loads equal the loads in the static nut model. The test uses a friction
 /// coefficient of 1e-6, which changes the loads by about 1e-6 of their value.
 #[test]
-fn loads_without_friction_match_the_static_nut() {
+fn ball_loads_without_friction_match_the_static_nut_model() {
     let nut = with_circuits(Vec::new());
     let at_rest = nut.ball_in_grooves().expect("Hertz contacts");
     for (um, oversize) in [(0.0, 1.5e-6), (1.0, 1.5e-6), (6.0, 0.5e-6), (8.0, 0.0)] {
@@ -564,7 +564,7 @@ fn torque_is_continuous_where_the_third_contact_begins() {
 }
 
 #[test]
-fn unloaded_and_frictionless_balls_are_rejected() {
+fn unloaded_balls_and_frictionless_balls_and_invalid_gaps_are_rejected() {
     let work = &mut GothicWorkspace::default();
     let scene = Scene::from_study(0.06, 10.0);
     let solve = |scene: &Scene, condition, work: &mut GothicWorkspace| {
@@ -654,7 +654,7 @@ fn drag_as_a_function_of_play_and_friction_matches_the_study() {
 /// If the friction coefficient at the far flanks is halved, the drag coefficient K_p decreases from
 /// 0.205 to 0.166. Both values are taken from the independent study, which prints three digits.
 #[test]
-fn less_friction_at_the_far_flank_lowers_the_drag() {
+fn lower_friction_coefficient_at_the_far_flank_reduces_the_drag() {
     let work = &mut GothicWorkspace::default();
     let scene = Scene::from_study(0.1, 0.0);
     let ball = GothicBall { far_friction: Coulomb(0.05), ..scene.gothic() };

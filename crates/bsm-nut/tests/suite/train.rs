@@ -133,7 +133,7 @@ impl Case {
 }
 
 #[test]
-fn ball_trains_match_the_reference() {
+fn push_forces_and_losses_of_ball_trains_match_the_reference() {
     let file: Value = serde_json::from_str(CASES).expect("JSON");
     let cases = file["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 6);
@@ -242,7 +242,7 @@ fn push_forces_from_behind(train: &Train) -> Vec<f64> {
 }
 
 #[test]
-fn push_force_from_the_ball_return_decreases_linearly_along_equal_balls() {
+fn push_force_from_the_ball_return_decreases_linearly_along_equally_loaded_balls() {
     let push = 0.02;
     let mut reference = nut_with_equal_balls(push);
     reference.inputs.contact_friction = 1e-5;
@@ -324,7 +324,7 @@ fn push_forces_decrease_with_larger_gap_and_increase_with_return_force() {
 }
 
 #[test]
-fn power_is_lost_only_at_raceways_and_ball_return_without_ball_to_ball_friction() {
+fn power_is_lost_only_at_raceways_and_ball_return_if_ball_to_ball_friction_is_zero() {
     let mut reference = back_driven_nut();
     reference.inputs.contact_friction = 0.0;
     reference.inputs.gaps = vec![0.2e-3];
@@ -678,7 +678,7 @@ impl Track<'_> {
 /// The flow of balls in a queue equals the flow in a time-domain simulation, in which the speed of
 /// each ball depends on its position.
 #[test]
-fn time_domain_simulation_reproduces_the_ball_flow_in_a_queue() {
+fn ball_flow_in_a_queue_matches_a_time_domain_simulation() {
     let mut reference = reference("T02");
     reference.nut.circuits[0].arc *= 38.0 / 98.0;
     reference.nut.circuits[0].balls = 38;
@@ -735,7 +735,7 @@ fn time_domain_simulation_reproduces_the_ball_flow_in_a_queue() {
 /// The motions of many balls are interpolated from the motions of a few balls. No more balls are
 /// added when the error is below 1e-7 at three consecutive nodes.
 #[test]
-fn free_motions_can_be_interpolated_from_a_few_balls() {
+fn motions_of_all_balls_without_push_forces_can_be_interpolated_from_a_few_balls() {
     // The largest ball load is 9 times the smallest in a nut under a moment, and 450 times the
     // smallest in a tilted nut. In the tilted nut, the rates of lightly loaded balls change rapidly
     // with the load.

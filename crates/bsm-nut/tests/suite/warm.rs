@@ -302,7 +302,7 @@ fn warm_states_match_the_reference() {
 /// Near a fold, the speed hardly changes along the branch: a temperature error of 0.05 K changes
 /// the speed by only 1e-6.
 #[test]
-fn folds_match_the_reference() {
+fn thermal_folds_match_the_reference() {
     for (id, most) in [("WS-P2", 2.5), ("WS-P3", 2.0), ("WS-P6", 2.5)] {
         let reference = reference(id);
         let expect = &reference["expect"];
@@ -337,7 +337,7 @@ fn folds_match_the_reference() {
 /// not exist. The limits are rounded measurements, so that the test fails if a change makes the
 /// searches slower.
 #[test]
-fn fold_search_needs_at_most_400_friction_calculations() {
+fn search_for_the_thermal_fold_needs_at_most_400_friction_calculations() {
     let (reference, count) = (reference("WS-P3"), Cell::new(0));
     let counted = |nut: &BallNut, found: &Equilibrium, drive: &Drive<f64>, oil: f64, to: f64| {
         count.set(count.get() + 1);
@@ -389,7 +389,7 @@ fn with_speed_factor<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
 /// accuracy of the reference (1e-5). The loop gain is 1 at the fold. It depends on the square root
 /// of the distance from the fold, so a speed error of 1e-6 changes the loop gain by 1e-3.
 #[test]
-fn two_states_exist_below_a_fold_and_none_above() {
+fn two_warm_states_exist_below_a_thermal_fold_and_none_above() {
     let reference = reference("WS-P3");
     let nut = axis(&reference["case"]);
     let factor = number(&reference["expect"], "fold_speed_factor").expect("fold");
@@ -415,7 +415,7 @@ fn two_states_exist_below_a_fold_and_none_above() {
 /// screw is consistent with its thermal expansion. The solver stops at a residual of 1e-10 of the
 /// heat, and the reference permits 1e-9.
 #[test]
-fn dissipated_heat_equals_generated_heat() {
+fn heat_dissipated_to_the_surroundings_equals_generated_heat() {
     for reference in reference_cases() {
         let nut = axis(&reference["case"]);
         let state = nut.steady().expect("steady");
@@ -436,7 +436,7 @@ fn dissipated_heat_equals_generated_heat() {
 /// matrix of the network is symmetric and diagonally dominant, and its off-diagonal elements are
 /// not positive.
 #[test]
-fn all_nodes_have_the_ambient_temperature_at_standstill() {
+fn all_nodes_of_the_thermal_network_have_ambient_temperature_at_standstill() {
     let mut nut = axis(&reference("WS-P1")["case"]);
     nut.phases[0].drive.screw_speed = 0.0;
     let state = nut.steady().expect("steady");
@@ -459,7 +459,7 @@ fn all_nodes_have_the_ambient_temperature_at_standstill() {
 /// A search without a starting point and sweeps with increasing and decreasing speed find the same
 /// states. The tolerance of 1e-8 is the residual heat divided by one minus the loop gain.
 #[test]
-fn sweeps_in_both_directions_find_the_same_states_as_cold_starts() {
+fn speed_sweeps_in_both_directions_find_the_same_warm_states_as_cold_starts() {
     let nut = axis(&reference("WS-P3")["case"]);
     let factors = [0.4, 0.6, 0.8, 1.0, 1.1];
     let cold: Vec<_> =
@@ -485,7 +485,7 @@ fn sweeps_in_both_directions_find_the_same_states_as_cold_starts() {
 /// the unstable state, an axis dissipates more heat than it generates, so it cools down to the
 /// stable state.
 #[test]
-fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
+fn speed_sweep_across_the_thermal_fold_and_back_finds_the_same_warm_states() {
     let nut = axis(&reference("WS-P3")["case"]);
     let (factors, mut hotter) = ([0.9, 1.0, 1.1, 1.16], Vec::new());
     let mut cold = Vec::new();
@@ -528,7 +528,7 @@ fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
 /// If there is no thermal expansion and the friction is constant, the temperatures are linear
 /// functions of the heat, and the loop gain is 0.
 #[test]
-fn temperatures_are_linear_in_the_heat_without_thermal_feedback() {
+fn temperatures_are_linear_functions_of_heat_if_friction_does_not_depend_on_temperature() {
     let constant = |torque: f64| {
         move |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64, _: f64| {
             Some(FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() })
@@ -561,7 +561,7 @@ fn temperatures_are_linear_in_the_heat_without_thermal_feedback() {
 /// network must find the same state. The tolerance is the residual heat of the search, 1e-10 of the
 /// total heat.
 #[test]
-fn linear_network_matches_the_warm_state_with_constant_heat() {
+fn warm_state_for_heat_that_does_not_depend_on_temperature_matches_the_linear_network() {
     let friction = |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64, _: f64| {
         let contacts = [0.12, 0.07];
         Some(FrictionSum { torque: 0.25, contacts, ..FrictionSum::default() })
@@ -625,7 +625,7 @@ fn load_proportional_friction(
 /// Multiplying all conductances and all heat sources by the same factor does not change the
 /// temperatures.
 #[test]
-fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
+fn scaling_heat_and_conductances_by_the_same_factor_leaves_temperatures_unchanged() {
     let base = axis(&reference("WS-P2")["case"]);
     let at = |factor: f64| {
         let friction = load_proportional_friction(factor);
@@ -656,7 +656,7 @@ fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
 /// thermal resistance across the gap between nut and screw, both have the same temperature. Only
 /// the balls are then warmer, so the preloads in X and O arrangement are equal.
 #[test]
-fn without_thermal_resistance_there_is_no_temperature_rise() {
+fn nodes_without_thermal_resistance_between_them_have_equal_temperatures() {
     let friction = load_proportional_friction(1.0);
     let of = |id: &str, free: f64, gap: f64| {
         let mut nut = with_friction(&axis(&reference(id)["case"]), &friction);
@@ -688,7 +688,7 @@ fn without_thermal_resistance_there_is_no_temperature_rise() {
 /// An axis acts as a single node if there is no thermal resistance between its parts and its screw
 /// has no ends outside the travel. All surfaces together dissipate its heat.
 #[test]
-fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
+fn temperature_rise_of_a_single_thermal_node_is_heat_divided_by_conductance() {
     let friction = load_proportional_friction(1.0);
     let mut nut = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let free = Some(1e5);
