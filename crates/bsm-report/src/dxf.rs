@@ -145,7 +145,7 @@ mod tests {
     /// The arcs must have the radii of the grooves, touch the ball at the contact angle, and end
     /// where the lands begin.
     #[test]
-    fn arcs_touch_the_ball_at_the_contact_angle() {
+    fn groove_arcs_in_the_dxf_drawing_touch_the_ball_at_the_contact_angle() {
         let case = include_bytes!("../../../examples/axis.json");
         let section = GrooveSection::of(&Case::from_json(case).expect("a case"));
         let section = section.expect("a groove");

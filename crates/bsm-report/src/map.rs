@@ -334,7 +334,7 @@ mod tests {
     /// Cells must be placed around their values in sorted order, regardless of the order in the
     /// list, and neighboring cells must share an edge.
     #[test]
-    fn map_cells_surround_their_values() {
+    fn cells_of_a_map_plot_extend_to_midpoints_between_neighboring_values() {
         let (order, found) = edges(&[100.0, 1000.0, 10.0], true);
         assert_eq!(order, [2, 0, 1]);
         // The expected edges are the geometric means of neighboring values.
@@ -367,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn band_limits_are_round_numbers() {
+    fn limits_of_color_bands_in_a_map_are_round_numbers() {
         let edges = |values: &[f64]| Bands::of(values).0;
         let close = |found: Vec<f64>, by_hand: &[f64]| {
             assert_eq!(found.len(), by_hand.len(), "{found:?}");

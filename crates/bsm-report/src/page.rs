@@ -142,7 +142,7 @@ mod tests {
 
     /// Inserted text must be escaped, and an unknown name must be an error.
     #[test]
-    fn pages_escape_text_and_reject_unknown_names() {
+    fn page_templates_escape_text_and_reject_unknown_variables() {
         let page = |template| {
             let page = Page { title: "a < b", command: "bsm", template, figures: &[] };
             page.html(&std::collections::BTreeMap::from([("value", 0.164)]))
