@@ -34,7 +34,7 @@ mod tests {
     /// Each decade from 1e-6 to 1e4 must contain a tenth of the random numbers, and no number may
     /// be outside the bounds.
     #[test]
-    fn every_decade_has_the_same_share_of_numbers() {
+    fn log_uniform_random_numbers_are_equally_frequent_in_every_decade() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut decades = [0_u32; 10];
         for _ in 0..10_000 {
