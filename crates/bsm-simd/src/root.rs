@@ -143,7 +143,7 @@ mod tests {
     /// Invalid numbers at some positions of a SIMD vector do not affect the results at other
     /// positions.
     #[test]
-    fn invalid_numbers_do_not_affect_other_positions_of_a_vector() {
+    fn invalid_number_in_one_simd_lane_does_not_affect_other_lanes() {
         let x = [-1.0, f64::NAN, f64::INFINITY, 0.0, -0.0, f64::MIN, -f64::NAN, 8.0];
         let [roots] = Arch::new().dispatch(CubeRoot { x });
         assert!((roots[7] - 2.0).abs() <= 1e-15, "{roots:?}");
