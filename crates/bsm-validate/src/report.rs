@@ -171,7 +171,7 @@ mod tests {
 
     /// A wrong number must fail a check, and NaN must never pass a check.
     #[test]
-    fn checks_fail_for_wrong_numbers_and_nan() {
+    fn validation_check_fails_for_a_wrong_number_or_nan() {
         let check = |measured| Check::new("k", "s", "c").measured(measured, "");
         assert_eq!(check(1.0).verdict, Verdict::Finding);
         assert_eq!(check(1.0).at_most(1.0, "").verdict, Verdict::Pass);

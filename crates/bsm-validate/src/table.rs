@@ -270,7 +270,7 @@ mod tests {
     /// A statistic must select the correct value from several points. The number of points without
     /// a value must equal the expected number.
     #[test]
-    fn statistics_of_rows_select_the_right_points() {
+    fn statistic_of_a_validation_row_selects_the_correct_value_from_several_points() {
         let check = |cells: &str| {
             let header = "key,source,claim,case,points,value,fold,missing,unit,rule,claimed,limit,reason,note";
             let text = format!("{header}\nk,s,c,lin1994,{cells}\n");

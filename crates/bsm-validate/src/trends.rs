@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn rising_falling_and_turning_curves_are_recognized() {
+    fn curves_that_rise_or_fall_or_have_an_extremum_are_recognized() {
         let shape = |values: &[f64]| Shape::of(&points(values), 1e-9);
         assert_eq!(shape(&[1.0, 2.0, 2.0, 3.0]), Shape::Rises);
         assert_eq!(shape(&[3.0, 2.0, 2.0]), Shape::Falls);

@@ -53,7 +53,7 @@ fn formula_defect(formula: &str) -> Option<String> {
 }
 
 #[test]
-fn formula_defects_are_detected() {
+fn formula_check_detects_invalid_latex() {
     assert_eq!(formula_defect("\\frac{a}{b} \\tag{K1}"), None);
     for wrong in ["\\frac{a}", "{a", "\\nosuchcommand", "\\left( a"] {
         assert!(formula_defect(wrong).is_some(), "{wrong}");
@@ -61,7 +61,7 @@ fn formula_defects_are_detected() {
 }
 
 #[test]
-fn every_formula_parses() {
+fn every_formula_in_the_documentation_is_valid_latex() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut all = Vec::new();
     for path in files(&root.join("crates"), "rs") {

@@ -8,7 +8,7 @@ static REPORT: LazyLock<Report> =
     LazyLock::new(|| run(&PublishedData::default()).expect("compiled-in data"));
 
 #[test]
-fn published_results_hold() {
+fn results_agree_with_published_data_within_the_stated_limits() {
     let report = &*REPORT;
     for c in &report.checks {
         println!("{c:?}");
@@ -21,7 +21,7 @@ fn published_results_hold() {
 }
 
 #[test]
-fn page_shows_every_check_and_figure() {
+fn validation_page_contains_every_check_and_figure() {
     let published = PublishedData::default();
     let report = &*REPORT;
     let figures = figures(&published).expect("compiled-in data");

@@ -14,7 +14,7 @@ const GOLDEN: &str = include_str!("../../../../validation/golden/tradeoff/accura
 /// created by `bsm sweep --points validation/golden/tradeoff/cases.csv --model traction --accuracy
 /// 1e-10 --creep 1e-5 --columns efficiency,... -o validation/golden/tradeoff/accuracy-1e-10.csv`.
 #[test]
-fn solutions_match_the_committed_data() {
+fn solutions_of_the_tradeoff_study_match_the_committed_data() {
     let points = Points::committed().expect("compiled-in table");
     let mut table = csv::Reader::from_reader(GOLDEN.as_bytes());
     let header = table.headers().expect("a header").clone();
@@ -64,7 +64,7 @@ fn read(table: &str) -> Result<Points, ValidateError> {
 }
 
 #[test]
-fn errors_and_times_are_measured() {
+fn tradeoff_study_reports_errors_and_times_of_every_setting() {
     let measured = &*MEASURED;
     assert_eq!(measured.without_reference, [11]);
     assert_eq!((measured.points[0].group, measured.points[0].points), (Group::All, 10));
@@ -125,7 +125,7 @@ fn errors_and_times_are_measured() {
 }
 
 #[test]
-fn page_shows_every_setting_and_figure() {
+fn tradeoff_page_contains_every_setting_and_figure() {
     let measured = &*MEASURED;
     let page = tradeoff_page(measured).expect("a page");
     for result in &measured.settings {
@@ -138,7 +138,7 @@ fn page_shows_every_setting_and_figure() {
 }
 
 #[test]
-fn tables_without_valid_points_are_rejected() {
+fn tradeoff_study_rejects_tables_without_valid_points() {
     let error = read("lead_angle_deg\n").expect_err("no rows").to_string();
     assert!(error.starts_with("the table has no rows"), "{error}");
     let error = read("lead_angle_deg,contact_angle_deg\n10,45\n").expect_err("inputs are missing");
