@@ -63,7 +63,7 @@ def test_the_page_loads_without_errors_or_foreign_requests(serve, sheet, name):
     assert shown["regime"] == page.inner_text("#regime")
 
 
-def test_numbers_after_a_slider_move_match_solve(serve, sheet):
+def test_numbers_after_a_slider_move_match_command_solve(serve, sheet):
     served, sheet = serve(FEED), sheet()
     page = sheet.open(served.address)
     before = key(page, "ball_torque_Nm")
@@ -114,7 +114,7 @@ def test_numbers_appear_within_100_ms_of_a_slider_move(serve, sheet, name, model
     assert numbers < 100, numbers
 
 
-def test_numbers_follow_a_moving_slider(serve, sheet):
+def test_numbers_are_updated_at_least_ten_times_per_second_while_a_slider_moves(serve, sheet):
     served, sheet = serve(FEED), sheet()
     page = sheet.open(served.address)
     page.evaluate("() => { window.updates = 0; new MutationObserver(() => { window.updates += 1; }).observe(document.querySelector('#key'), { childList: true }); }")
@@ -143,7 +143,7 @@ def test_a_map_of_3600_points_takes_less_than_a_second(serve, sheet):
         assert name != "feed_drive" or (answer.status == 200 and took < 1000), took
 
 
-def test_numbers_of_every_model_match_solve(serve, sheet):
+def test_numbers_on_the_page_match_command_solve_for_every_model(serve, sheet):
     served, sheet = serve(FEED), sheet()
     page = sheet.open(served.address)
     for model in ["closed-form", "quasi-static", "rigid", "raceway-control", "elastic", "traction"]:
@@ -191,7 +191,7 @@ def test_inputs_can_be_given_in_another_unit(serve, sheet):
     assert case_of(page)["axial_load_N"] == 10000
 
 
-def test_the_map_readout_matches_solve(serve, sheet):
+def test_map_readout_matches_command_solve(serve, sheet):
     served, sheet = serve(FEED), sheet()
     page = sheet.open(served.address)
     overlay = page.locator("#map .map svg")
@@ -206,7 +206,7 @@ def test_the_map_readout_matches_solve(serve, sheet):
         assert value in readout.inner_text()
 
 
-def test_pointer_and_keys_move_the_cross(serve, sheet):
+def test_pointer_and_arrow_keys_move_the_operating_point_on_the_map(serve, sheet):
     served, sheet = serve(FEED), sheet()
     page = sheet.open(served.address)
     overlay = page.locator("#map .map svg")
@@ -221,7 +221,7 @@ def test_pointer_and_keys_move_the_cross(serve, sheet):
     assert case_of(page)["screw_speed_rpm"] > moved["screw_speed_rpm"]
 
 
-def test_a_saved_case_solves_to_the_same_numbers(serve, sheet, tmp_path):
+def test_solving_a_saved_case_gives_the_numbers_shown_on_the_page(serve, sheet, tmp_path):
     saved = tmp_path / "saved.json"
     served, sheet = serve(FEED, "-o", saved), sheet()
     page = sheet.open(served.address)
@@ -232,7 +232,7 @@ def test_a_saved_case_solves_to_the_same_numbers(serve, sheet, tmp_path):
     assert table_of(saved)["efficiency of the balls"] == key(page, "efficiency")
 
 
-def test_without_a_file_to_write_the_browser_saves_the_case(serve, sheet):
+def test_saving_downloads_the_case_if_the_server_has_no_file_to_write(serve, sheet):
     served, sheet = serve(FEED), sheet()
     page = sheet.open(served.address)
     sheet.again(lambda: fill(sheet, "axial_load_N", "5000"))
@@ -259,7 +259,7 @@ def saved(sheet, panel: str) -> dict[str, bytes]:
     return files
 
 
-def test_pictures_and_tables_are_saved(serve, sheet):
+def test_figures_and_tables_can_be_saved(serve, sheet):
     sheet = sheet()
     page = sheet.open(serve(example("nut_double")).address)
     for panel in ["key", "space", "section", "ellipses", "losses", "map", "models", "nut", "numbers"]:
@@ -284,7 +284,7 @@ def test_pictures_and_tables_are_saved(serve, sheet):
     assert sheet.errors == []
 
 
-def test_pictures_and_fields_have_displayed_units(serve, sheet):
+def test_figures_and_input_fields_use_the_selected_display_units(serve, sheet):
     sheet = sheet()
     page = sheet.open(serve(example("nut_double"), "--units", "inch").address)
     case = case_of(page)
@@ -301,7 +301,7 @@ def test_pictures_and_fields_have_displayed_units(serve, sheet):
     assert sheet.errors == []
 
 
-def test_the_address_contains_the_settings(serve, sheet):
+def test_page_address_contains_the_settings(serve, sheet):
     served, first, other = serve(FEED), sheet(), sheet()
     page = first.open(served.address)
     assert page.evaluate("location.hash") == ""
@@ -328,7 +328,7 @@ def test_the_address_contains_the_settings(serve, sheet):
     page.wait_for_function("location.hash === ''")
 
 
-def test_an_invalid_address_shows_the_case_of_the_server(serve, sheet):
+def test_page_with_invalid_settings_in_its_address_shows_the_case_of_the_server(serve, sheet):
     sheet = sheet()
     sheet.page.goto(serve(FEED).address + "#%7Bnonsense")
     settled(sheet.page)
@@ -341,7 +341,7 @@ def columns_of(page) -> dict[str, list[str]]:
     return {row.locator("th").inner_text(): [cell.inner_text() for cell in row.locator("td").all()[1:]] for row in rows}
 
 
-def test_models_of_a_catalog_line_have_intervals(serve, sheet, tmp_path):
+def test_model_comparison_from_catalog_data_shows_intervals(serve, sheet, tmp_path):
     line = tmp_path / "line.json"
     line.write_text(json.dumps({
         "nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 51300, "rated_static_load_N": 144400,
@@ -383,7 +383,7 @@ def test_a_saved_page_shows_cases_side_by_side(save_page, sheet, tmp_path):
     assert columns_of(page)[label] == [table_of(FEED)[label], table_of(other)[label]]
 
 
-def test_the_axis_shows_rules_and_sheet(serve, sheet, tmp_path):
+def test_axis_panel_shows_all_rules_and_saves_the_axis_sheet(serve, sheet, tmp_path):
     axis = example("axis")
     served, sheet = serve(axis), sheet()
     page = sheet.open(served.address)
@@ -434,7 +434,7 @@ def test_the_animation_shows_a_tenth_of_a_revolution_per_second(serve, sheet, na
 
 @pytest.mark.parametrize("width", [1300, 400])
 @pytest.mark.parametrize("name", ["feed_drive_oil", "nut_double", "axis"])
-def test_screenshots_cause_no_errors(serve, sheet, name, width):
+def test_full_page_screenshots_cause_no_javascript_errors(serve, sheet, name, width):
     """A full-page capture resizes the window. An ellipse once had a negative radius at width 0."""
     served, sheet = serve(example(name)), sheet(width)
     page = sheet.open(served.address)
@@ -458,7 +458,7 @@ def slide_to(page, name: str, place: int) -> None:
 WARM = ROOT / "validation/published/nut/feed_axis.json"
 
 
-def test_the_warm_nut_shows_temperatures_and_fold(serve, sheet, tmp_path):
+def test_warm_state_figure_shows_temperatures_and_thermal_fold(serve, sheet, tmp_path):
     # The preload of an X pair with a cooled nut runs away as the speed increases.
     warm = tmp_path / "warm.json"
     warm.write_text(json.dumps(json.loads(WARM.read_text()) | {"preload_arrangement": "X", "nut_conductance_W_K": 20, "screw_speed_rpm": 700}))
@@ -479,7 +479,7 @@ def test_the_warm_nut_shows_temperatures_and_fold(serve, sheet, tmp_path):
     assert "runs away" in words and figure.locator("svg circle").count() == 1
 
 
-def test_balls_that_touch_are_shaded(serve, sheet, tmp_path):
+def test_balls_that_touch_are_marked_in_the_diagrams_of_the_nut(serve, sheet, tmp_path):
     case = tmp_path / "train.json"
     case.write_text(json.dumps(json.loads(example("nut_train").read_text()) | {"moment_y_Nm": 30}))
     bsm("nut", case, "-o", tmp_path / "balls.csv")
@@ -517,7 +517,7 @@ def test_balls_that_touch_are_shaded(serve, sheet, tmp_path):
     assert figure.locator(".touch, .moving, .push, .train").count() == 0
 
 
-def test_a_file_can_be_loaded(serve, sheet):
+def test_a_case_file_can_be_loaded(serve, sheet):
     served, sheet = serve(FEED), sheet()
     page = sheet.open(served.address)
     sheet.again(lambda: page.set_input_files("#file", example("lin1994")))
@@ -527,12 +527,12 @@ def test_a_file_can_be_loaded(serve, sheet):
 
 
 @pytest.mark.parametrize(("name", "width", "scheme"), [("feed_drive", 1300, "light"), ("nut_double", 1300, "dark"), ("feed_drive_oil", 390, "light"), ("lin1994", 390, "dark")])
-def test_axe_finds_no_violations(serve, sheet, name, width, scheme):
+def test_page_passes_the_accessibility_checks_of_axe(serve, sheet, name, width, scheme):
     expect_accessible(sheet(width, scheme).open(serve(example(name)).address), width)
 
 
 @pytest.mark.parametrize(("width", "scheme"), [(1300, "light"), (1300, "dark"), (400, "light"), (400, "dark")])
-def test_axe_finds_no_violations_in_a_saved_page(save_page, sheet, width, scheme):
+def test_saved_page_passes_the_accessibility_checks_of_axe(save_page, sheet, width, scheme):
     page = sheet(width, scheme).open(save_page(example("axis")))
     expect_accessible(page, width)
     if SCREENSHOTS:
@@ -583,7 +583,7 @@ MODELS = ["auto", "closed-form", "quasi-static", "rigid", "raceway-control", "el
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_saved_page_gives_the_numbers_of_the_program(save_page, sheet, name):
+def test_a_saved_page_shows_the_same_numbers_as_the_program(save_page, sheet, name):
     case = example(name)
     # The page of one case can solve every case.
     page = sheet(offline=True).page
@@ -679,7 +679,7 @@ def test_a_saved_page_shows_numbers_within_100_ms_of_a_slider_move(save_page, sh
         assert name == "feed_drive_oil" or median(numbers) < 100, numbers
 
 
-def test_a_saved_page_can_be_mailed(save_page):
+def test_a_saved_page_is_smaller_than_4_mb(save_page):
     size = Path(save_page(example("axis")).removeprefix("file://")).stat().st_size
     MEASURED.append(f"a saved page has {size / 1e6:.2f} MB")
     # Most of the size is the solver (2 to 3 MB) and the library for the picture in 3D (0.6 MB).
@@ -701,7 +701,7 @@ def test_a_saved_page_stops_calculations_that_are_no_longer_needed(save_page, sh
     assert (name, status) == ("AbortError", "converged") and took < 1000, took
 
 
-def test_two_tabs_are_independent(serve, sheet):
+def test_changes_in_one_browser_tab_do_not_affect_another_tab(serve, sheet):
     served = serve(FEED)
     one, other = sheet(), sheet()
     one.open(served.address), other.open(served.address)
@@ -712,7 +712,7 @@ def test_two_tabs_are_independent(serve, sheet):
         assert key(tab.page, "ball_torque_Nm") == table_of(FEED, "--set", f"axial_load_N={load}")["torque of the balls"]
 
 
-def test_requests_of_other_pages_are_rejected(serve, sheet):
+def test_requests_from_other_pages_are_rejected(serve, sheet):
     served, other = serve(FEED), serve(FEED)
     page = sheet().open(other.address)
     token = served.address.split("token=")[1]
@@ -723,7 +723,7 @@ def test_requests_of_other_pages_are_rejected(serve, sheet):
     assert page.request.get(served.address[:-1]).status == 403
 
 
-def test_the_page_reports_that_the_server_has_ended(serve, sheet):
+def test_page_reports_that_the_server_has_stopped(serve, sheet):
     served, sheet = serve(FEED), sheet()
     page = sheet.open(served.address)
     served.end()
@@ -735,7 +735,7 @@ def test_the_page_reports_that_the_server_has_ended(serve, sheet):
     assert page.locator("#json").is_visible()
 
 
-def test_without_webgl_a_drawing_is_shown(serve, sheet):
+def test_page_shows_an_svg_drawing_if_webgl_is_unavailable(serve, sheet):
     sheet = sheet()
     sheet.page.add_init_script(
         "const get = HTMLCanvasElement.prototype.getContext; HTMLCanvasElement.prototype.getContext = function (kind, ...rest) { return kind.startsWith('webgl') ? null : get.call(this, kind, ...rest); };"
@@ -757,7 +757,7 @@ def five_digits(value: float) -> str:
     return str(exact.quantize(Decimal(1).scaleb(-decimals), rounding=ROUND_HALF_EVEN))
 
 
-def test_numbers_have_the_format_of_the_program(serve, sheet):
+def test_page_formats_numbers_like_the_program(serve, sheet):
     page = sheet().open(serve(FEED).address)
     # Some values, such as 0.5 and 128.125, are ties between two roundings. 2.00005 is not a tie.
     values = [0.0, 1.0, -3.25, 0.8601069, 123456.7, 1.234567e6, -4.5e-5, 0.000123456, 128.125, -128.375, 2.00005, 100000.5, 99999.5, 999999.7, 0.1, 1 / 3, 8.5e-9, 6.02e23]
@@ -767,7 +767,7 @@ def test_numbers_have_the_format_of_the_program(serve, sheet):
 
 
 @pytest.mark.parametrize("name", ["axis", "rated"])
-def test_a_sheet_prints_on_two_pages(sheet, tmp_path, name):
+def test_axis_sheet_is_printed_on_two_pages(sheet, tmp_path, name):
     written = tmp_path / "sheet.html"
     bsm("axis", example(name), "-o", written)
     page = sheet().page
