@@ -27,11 +27,11 @@ def run(path: Path) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("path", SHOWN, ids=lambda path: str(path.relative_to(ROOT)))
-def test_the_code_of_a_readme_runs(path: Path) -> None:
+def test_code_examples_of_a_document_run(path: Path) -> None:
     run(path)
 
 
-def test_parts_of_a_cluster_and_a_store_are_bit_identical() -> None:
+def test_parts_solved_on_a_cluster_are_bit_identical_to_parts_in_an_object_store() -> None:
     names = run(ROOT / "docs" / "guide" / "scale-out.md")
     plan, store = names["plan"], Path(names["url"])
     assert plan.verify().complete and names["missing"] == [0, 1, 2] and names["bad"] == []

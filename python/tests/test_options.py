@@ -98,12 +98,12 @@ def is_keyword(name: str, given: dict[str, inspect.Parameter]) -> bool:
     return any(name in kind.__annotations__ for kind in kinds)
 
 
-def test_every_command_has_functions() -> None:
+def test_every_command_has_a_python_function() -> None:
     found = commands()
     assert len(found) == len(set(found)) and set(found) == {*FUNCTIONS, *WITHOUT}
 
 
-def test_every_option_is_a_keyword() -> None:
+def test_every_command_option_is_a_keyword_argument() -> None:
     needless = set(LEFT_OUT)
     for command in FUNCTIONS:
         given = parameters(command)
@@ -120,7 +120,7 @@ def test_every_option_is_a_keyword() -> None:
 
 
 @pytest.mark.parametrize("command", ["solve", "nut", "axis", "sweep", "fit"])
-def test_defaults_equal_the_defaults_of_the_program(command: str) -> None:
+def test_default_arguments_equal_the_defaults_of_the_program(command: str) -> None:
     given, said = parameters(command), options(command)
     theirs = {option.replace("-", "_"): found[1] for option, words in said.items()
               if (found := re.search(r"\[default: ([^\]]+)\]", words))}

@@ -61,12 +61,12 @@ def test_a_case_round_trips_through_json_and_pickle(screw: bs.Case) -> None:
     assert screw.replace(lead_mm=10) != screw
 
 
-def test_a_lead_replaces_a_lead_angle(screw: bs.Case) -> None:
+def test_setting_the_lead_angle_of_a_case_removes_its_lead(screw: bs.Case) -> None:
     other = screw.replace(lead_angle_deg=5.0)
     assert other.lead_mm is None and other.lead_angle_deg == 5.0
 
 
-def test_screw_torque_equals_the_torque_of_the_program(screw: bs.Case) -> None:
+def test_screw_torque_attribute_equals_the_screw_torque_in_the_report(screw: bs.Case) -> None:
     loaded = screw.replace(seal_torque_Nm=0.2)
     solution = bs.solve(loaded)
     assert solution.screw_torque_Nm == solution.to_dict()["torque_parts"]["screw_torque_Nm"]
@@ -76,7 +76,7 @@ def test_screw_torque_equals_the_torque_of_the_program(screw: bs.Case) -> None:
     assert table["screw_torque_Nm"][0] == pytest.approx(solution.screw_torque_Nm, rel=1e-10)
 
 
-def test_random_points_equal_the_points_of_the_program(screw: bs.Case, tmp_path: Path) -> None:
+def test_random_points_equal_the_random_points_of_the_program(screw: bs.Case, tmp_path: Path) -> None:
     points = bs.draw({"axial_load_N": bs.uniform(1e3, 2e4), "friction_coefficient": bs.normal(0.06, 0.01)}, 50, seed=7)
     table = bs.solve_many(points, screw, columns=["efficiency"], text=True)
     screw.write(tmp_path / "screw.json")
@@ -133,7 +133,7 @@ def test_an_error_for_an_unknown_input_names_the_nearest_input() -> None:
     assert (caught.value.key, caught.value.nearest) == ("lead_mn", "lead_mm")
 
 
-def test_an_error_for_a_violated_rule_names_key_value_and_rule() -> None:
+def test_error_for_an_invalid_input_states_key_and_value_and_permitted_range() -> None:
     with pytest.raises(bs.InputError) as caught:
         bs.Case(ball_diameter_mm=-1)
     error = caught.value
@@ -141,7 +141,7 @@ def test_an_error_for_a_violated_rule_names_key_value_and_rule() -> None:
     assert isinstance(error, ValueError)
 
 
-def test_missing_inputs_are_named() -> None:
+def test_error_names_the_missing_inputs() -> None:
     with pytest.raises(bs.InputError, match="friction_coefficient"):
         bs.solve(model="closed-form", contact_angle_deg=45, lead_angle_deg=8)
 
@@ -164,7 +164,7 @@ def test_a_point_without_solution_raises_an_error_with_the_solution(screw: bs.Ca
     assert str(answer.message) in str(caught.value)
 
 
-def test_a_wrong_row_is_named(screw: bs.Case) -> None:
+def test_error_for_an_invalid_value_states_the_row_number(screw: bs.Case) -> None:
     with pytest.raises(bs.InputError) as caught:
         bs.solve_many({"axial_load_N": [2e3, "much", 8e3]}, screw)
     assert (caught.value.key, caught.value.row) == ("axial_load_N", 1)
@@ -176,7 +176,7 @@ def test_a_wrong_row_is_named(screw: bs.Case) -> None:
     assert caught.value.row is None
 
 
-def test_reasons_of_auto_are_kept_on_request(screw: bs.Case) -> None:
+def test_table_contains_the_reasons_for_the_model_choice_of_auto_on_request(screw: bs.Case) -> None:
     points = {"axial_load_N": [8e3, -1.0]}
     quiet, told = (bs.solve_many(points, screw, text=text) for text in (False, True))
     assert quiet.message(0) is None and "the ball rolls (skid onset" in (told.message(0) or "")
@@ -196,7 +196,7 @@ def test_every_output_is_a_property(screw: bs.Case) -> None:
             assert (None if missing else value) == values[name], name
 
 
-def test_representations_are_short_and_escaped(screw: bs.Case) -> None:
+def test_representations_of_objects_are_short_and_escape_html(screw: bs.Case) -> None:
     named = bs.Case(screw, description="<b>a & b</b>")
     assert "<b>" not in named._repr_html_() and "&lt;b&gt;" in named._repr_html_()
     table = bs.solve_many(random_points(1000, 1), screw)
@@ -205,7 +205,7 @@ def test_representations_are_short_and_escaped(screw: bs.Case) -> None:
     assert "efficiency" in repr(bs.solve(screw))
 
 
-def test_a_report_is_shown_with_its_content() -> None:
+def test_representation_of_a_report_shows_its_content() -> None:
     """Regression test: a notebook showed only whether an axis satisfies its rules."""
     shown = bs.axis(bs.Case.read(EXAMPLES / "axis.json"))._repr_html_()
     assert "buckling_safety" in shown and "screw_mass_kg" in shown and len(shown) < 20_000
@@ -226,7 +226,7 @@ def properties(section: bs.Section) -> dict[str, property]:
     return {name: value for base in of_vocabulary for name, value in vars(base).items() if isinstance(value, property)}
 
 
-def test_numbers_of_a_report_are_attributes_with_types_and_docs() -> None:
+def test_every_number_in_a_report_is_a_typed_and_documented_attribute() -> None:
     for report in reports():
         entries = report["results"] if isinstance(report, bs.AxisReport) else report
         sections: list[tuple[bs.Section, Any]] = [(report, entries)]
@@ -249,20 +249,20 @@ def test_numbers_of_a_report_are_attributes_with_types_and_docs() -> None:
             assert numbers <= set(found), type(section)
 
 
-def test_reports_name_the_nearest_attribute() -> None:
+def test_error_for_a_misspelled_report_attribute_suggests_the_nearest_attribute() -> None:
     sheet: Any = reports()[-1]
     with pytest.raises(AttributeError, match="did you mean `critical_speed_rpm`"):
         str(sheet.critical_sped_rpm)
 
 
-def test_reports_are_pickled_and_copied() -> None:
+def test_reports_can_be_pickled_and_copied() -> None:
     for report in reports():
         for again in (pickle.loads(pickle.dumps(report)), copy.copy(report)):
             assert type(again) is type(report) and again == report
             assert (again.found, again.warnings) == (report.found, report.warnings)
 
 
-def test_rows_of_reports_are_typed(screw: bs.Case) -> None:
+def test_rows_of_reports_are_typed_named_tuples(screw: bs.Case) -> None:
     axis = bs.axis(bs.Case.read(EXAMPLES / "axis.json"))
     assert [rule._asdict() for rule in axis.rules] == axis["rules"]
     assert axis.passes == all(rule.passes for rule in axis.rules) == axis.found
@@ -349,7 +349,7 @@ def test_many_points_match_single_solves(screw: bs.Case, model: str) -> None:
             assert table["efficiency"][row] == pytest.approx(answer.efficiency, rel=1e-10)
 
 
-def test_every_kind_of_frame_gives_the_same_results(screw: bs.Case) -> None:
+def test_every_kind_of_dataframe_gives_the_same_results(screw: bs.Case) -> None:
     pl, pa, pd = (pytest.importorskip(name) for name in ("polars", "pyarrow", "pandas"))
     points = random_points(1000, 5)
     expected = bs.solve_many(points, screw, columns=["efficiency"])
@@ -361,7 +361,7 @@ def test_every_kind_of_frame_gives_the_same_results(screw: bs.Case) -> None:
             assert table["efficiency"].tobytes() == expected["efficiency"].tobytes()
 
 
-def test_exported_frames_have_the_same_content(screw: bs.Case) -> None:
+def test_exported_dataframes_have_the_same_content_as_the_table(screw: bs.Case) -> None:
     pytest.importorskip("polars"), pytest.importorskip("pyarrow"), pytest.importorskip("pandas")
     outputs = ["efficiency", "controlling_raceway", "self_locking"]
     table = bs.solve_many(random_points(300, 9), screw, model="raceway-control", columns=outputs)  # type: ignore[arg-type]
@@ -377,7 +377,7 @@ def test_exported_frames_have_the_same_content(screw: bs.Case) -> None:
     assert list(pandas["model"].cat.categories) == list(bs.MODELS)
 
 
-def test_pandas_needs_no_pyarrow(screw: bs.Case) -> None:
+def test_pandas_dataframes_are_accepted_without_pyarrow(screw: bs.Case) -> None:
     pd = pytest.importorskip("pandas")
 
     class Alone:
@@ -400,7 +400,7 @@ def test_pandas_needs_no_pyarrow(screw: bs.Case) -> None:
         assert repr(ours.to_dict()) == repr(same.to_dict())
 
 
-def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Case) -> None:
+def test_columns_copied_from_the_input_keep_their_types(tmp_path: Path, screw: bs.Case) -> None:
     """Regression test: a copied id and a copied date were converted to texts."""
     import datetime
 
@@ -438,7 +438,7 @@ def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Case) -> None:
         bs.solve_many(pl.DataFrame({"l": [[1], [2]], "axial_load_N": [2e3, 3e3]}), screw, keep=["l"])
 
 
-def test_nan_is_not_replaced_by_the_value_of_the_base(screw: bs.Case) -> None:
+def test_nan_in_a_table_is_not_replaced_by_the_value_of_the_base_case(screw: bs.Case) -> None:
     pl = pytest.importorskip("polars")
     frame = pl.DataFrame({"axial_load_N": [8000.0, None, math.nan]})
     table = bs.solve_many(frame, screw)
@@ -448,7 +448,7 @@ def test_nan_is_not_replaced_by_the_value_of_the_base(screw: bs.Case) -> None:
     assert table["status"].tolist() == ["converged", "converged", "invalid_input"]
 
 
-def test_all_forms_of_arrays_are_accepted(screw: bs.Case) -> None:
+def test_arrays_of_every_type_and_layout_are_accepted(screw: bs.Case) -> None:
     loads = np.arange(2000, 12000, 500)
     expected = bs.solve_many({"axial_load_N": loads.astype(float)}, screw)["efficiency"].tobytes()
     wide = np.zeros((len(loads), 2))
@@ -534,7 +534,7 @@ def test_tables_may_have_no_row_or_one_row(screw: bs.Case, rows: int) -> None:
     assert len(table) == rows == len(table["efficiency"]) == len(table.status)
 
 
-def test_views_outlive_their_table_and_cannot_be_written(screw: bs.Case) -> None:
+def test_column_views_are_read_only_and_remain_valid_after_their_table_is_deleted(screw: bs.Case) -> None:
     table = bs.solve_many(random_points(5000, 2), screw, model="rigid", columns=["efficiency"])
     view = table["efficiency"]
     kept = view.copy()
@@ -544,7 +544,7 @@ def test_views_outlive_their_table_and_cannot_be_written(screw: bs.Case) -> None
         view[0] = 1.0
 
 
-def test_doubles_are_read_in_place(screw: bs.Case) -> None:
+def test_arrays_of_doubles_are_not_copied(screw: bs.Case) -> None:
     loads = np.full(500, 8000.0)
     table = bs.solve_many({"axial_load_N": loads}, screw)
     assert np.shares_memory(table["axial_load_N"], loads)
@@ -563,7 +563,7 @@ def test_an_error_for_an_unknown_output_names_the_nearest_output(screw: bs.Case)
     speed=st.floats(1.0, 1e4),
     friction=st.floats(1e-3, 0.2),
 )
-def test_efficiency_is_output_over_input_power(load: float, speed: float, friction: float) -> None:
+def test_efficiency_is_the_ratio_of_output_power_to_input_power(load: float, speed: float, friction: float) -> None:
     answer = bs.solve(
         bs.Case.read(FEED_DRIVE), model="raceway-control", check=False, axial_load_N=load, screw_speed_rpm=speed,
         friction_coefficient=friction,
@@ -591,7 +591,7 @@ def test_a_grid_has_labeled_axes(screw: bs.Case) -> None:
     assert frame["axial_load_N"].tolist()[:3] == [2e3, 8e3, 1.6e4]
 
 
-def test_a_grid_shows_its_axes_in_names_frames_and_notebooks(screw: bs.Case) -> None:
+def test_axes_of_a_grid_are_shown_in_names_and_dataframes_and_notebooks(screw: bs.Case) -> None:
     """Regression test: notebooks showed rows without the coordinates of their points."""
     vary = {"screw_speed_rpm": [500.0, 1500.0, 3000.0], "axial_load_N": [2e3, 8e3]}
     grid = bs.sweep(screw, vary=vary, columns=["efficiency"])
@@ -608,7 +608,7 @@ def test_a_grid_shows_its_axes_in_names_frames_and_notebooks(screw: bs.Case) -> 
 # Selection
 
 
-def test_tables_select_columns_and_rows_as_frames_do(screw: bs.Case) -> None:
+def test_tables_select_columns_and_rows_like_dataframes(screw: bs.Case) -> None:
     points = {"axial_load_N": [2e3, -1.0, 8e3, 9e3], "name": ["a", "b", None, "d"], "day": np.array(["2026-01-01"] * 4, "datetime64[us]")}
     table = bs.solve_many(points, screw, keep=["name", "day"], columns=["efficiency", "controlling_raceway"])
     assert table[["name", "efficiency"]].column_names == ["name", "efficiency"]
@@ -639,7 +639,7 @@ def test_tables_select_columns_and_rows_as_frames_do(screw: bs.Case) -> None:
         table[[True, False]]
 
 
-def test_integers_in_rows_with_gaps_are_not_converted_to_texts(screw: bs.Case) -> None:
+def test_integer_column_with_missing_values_is_rejected_and_not_converted_to_text(screw: bs.Case) -> None:
     pl = pytest.importorskip("polars")
     frame = pl.DataFrame({"id": [1, None], "axial_load_N": [2e3, 3e3]})
     with pytest.raises(TypeError, match="column `id` contains integers with missing values"):
@@ -656,7 +656,7 @@ def test_selected_nuts_keep_their_cases() -> None:
         assert again.case(row).ball_diameter_mm == again["ball_diameter_mm"][row]
 
 
-def test_notebooks_can_complete_keys(screw: bs.Case) -> None:
+def test_notebooks_can_complete_the_keys_of_reports_and_grids_and_cases(screw: bs.Case) -> None:
     grid = bs.sweep(screw, vary={"axial_load_N": [2e3, 8e3]}, columns=["efficiency"])
     report = bs.axis(bs.Case.read(EXAMPLES / "axis.json"))
     for completed, usable in ((grid, grid.column_names), (report, list(report)), (screw, list(screw))):
@@ -664,7 +664,7 @@ def test_notebooks_can_complete_keys(screw: bs.Case) -> None:
         assert all(completed[name] is not None for name in usable)
 
 
-def test_frames_contain_the_messages_of_files(screw: bs.Case, tmp_path: Path) -> None:
+def test_dataframes_and_files_contain_the_same_messages(screw: bs.Case, tmp_path: Path) -> None:
     table = bs.solve_many({"axial_load_N": [2e3, -1.0]}, screw, columns=["efficiency"])
     table.write(tmp_path / "t.parquet")
     of_file = pl.read_parquet(tmp_path / "t.parquet")
@@ -706,7 +706,7 @@ def test_quantities_of_pint_are_converted(screw: bs.Case) -> None:
 # Derivatives
 
 
-def test_exact_derivatives_match_differences(screw: bs.Case) -> None:
+def test_exact_derivatives_match_finite_differences(screw: bs.Case) -> None:
     wrt = ["friction_coefficient", "lead_mm", "axial_load_N"]
     points = {name: getattr(screw, name) for name in wrt}
     # For raceway control, the differences have an error of 6e-5 from coarse quadrature. The derivatives do not.
@@ -743,7 +743,7 @@ def test_optimum_rejects_an_unknown_model() -> None:
         bs.optimum(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.06, model="rigd")  # type: ignore[arg-type]
 
 
-def test_gradient_accepts_a_frame(screw: bs.Case) -> None:
+def test_gradient_accepts_a_dataframe(screw: bs.Case) -> None:
     pl = pytest.importorskip("polars")
     loads = {"axial_load_N": [2e3, 8e3]}
     expected, slopes = bs.gradient(loads, "efficiency", ["lead_mm"], screw)
@@ -757,12 +757,12 @@ def test_gradient_accepts_a_frame(screw: bs.Case) -> None:
             refuse(screw)
 
 
-def test_random_points_reject_a_negative_seed() -> None:
+def test_negative_seed_of_random_points_is_rejected() -> None:
     with pytest.raises(bs.InputError, match="seed is -1"):
         bs.draw({"lead_mm": bs.uniform(5, 20)}, samples=1, seed=-1)
 
 
-def test_a_missing_library_is_named_with_its_remedy(screw: bs.Case, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_error_for_a_missing_library_states_how_to_install_the_library(screw: bs.Case, monkeypatch: pytest.MonkeyPatch) -> None:
     table = bs.solve_many({"axial_load_N": [8e3]}, screw)
     monkeypatch.setitem(sys.modules, "polars", None)
     with pytest.raises(ModuleNotFoundError, match="pip install polars"):
@@ -778,7 +778,7 @@ def test_gradients_of_many_points_match_single_points(screw: bs.Case) -> None:
         assert value == values[row] and (slope == slopes[row]).all()
 
 
-def test_a_gradient_rejects_inputs_that_determine_others(screw: bs.Case) -> None:
+def test_exact_gradient_is_rejected_if_another_input_depends_on_the_varied_input(screw: bs.Case) -> None:
     fed = bs.Case({name: value for name, value in screw.items() if name != "screw_speed_rpm"}, feed_m_min=30)
     with pytest.raises(bs.InputError, match="screw_speed_rpm"):
         bs.gradient({"lead_mm": 20.0}, "efficiency", ["lead_mm"], fed)
@@ -788,13 +788,13 @@ def test_a_gradient_rejects_inputs_that_determine_others(screw: bs.Case) -> None
         bs.gradient({"lead_mm": 20.0}, "nut_normal_load_N", ["lead_mm"], screw)
 
 
-def test_sensitivities_are_sorted(screw: bs.Case) -> None:
+def test_sensitivities_are_sorted_by_decreasing_magnitude(screw: bs.Case) -> None:
     table = bs.sensitivities(screw)
     sizes = np.abs(table["efficiency_relative"])
     assert (np.diff(sizes[~np.isnan(sizes)]) <= 0).all()
 
 
-def test_curves_of_a_grid_have_one_line_for_each_value(screw: bs.Case) -> None:
+def test_curve_plot_of_a_grid_has_one_line_for_each_value_of_the_other_axis(screw: bs.Case) -> None:
     """Regression test: without `by`, one zigzag line was drawn through all points of the grid."""
     loads, speeds = [2000.0, 4000.0, 8000.0], [500.0, 1500.0]
     grid = bs.sweep(screw, vary={"axial_load_N": loads, "screw_speed_rpm": speeds}, columns=["efficiency"])
@@ -880,7 +880,7 @@ def test_a_forked_process_can_solve() -> None:
     assert subprocess.run([sys.executable, "-W", "ignore", "-c", code], timeout=60).returncode == 0
 
 
-def test_calls_do_not_leak(screw: bs.Case) -> None:
+def test_repeated_calls_do_not_leak_memory(screw: bs.Case) -> None:
     def resident() -> int:
         return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 

@@ -44,7 +44,7 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
-def test_parts_have_the_bytes_of_the_program(tmp_path: Path, alone: Path, threads: int) -> None:
+def test_parts_written_from_python_are_bit_identical_to_those_of_the_program(tmp_path: Path, alone: Path, threads: int) -> None:
     plan = made(tmp_path / "map")
     summary = plan.run(threads=threads)
     assert summary == (10, 0, ROWS, 40)
@@ -67,7 +67,7 @@ def test_a_solved_part_consists_of_plain_numbers_and_text(tmp_path: Path, alone:
     assert plan.files[9] == "part-000009.parquet"
 
 
-def test_errors_of_parts_are_reported(tmp_path: Path) -> None:
+def test_missing_or_damaged_or_unknown_parts_are_reported(tmp_path: Path) -> None:
     plan = made(tmp_path / "map")
     plan.run([0, 4, 5])
     data = tmp_path / "map" / "data"
@@ -113,7 +113,7 @@ def test_errors_of_parts_are_reported(tmp_path: Path) -> None:
     assert not list((tmp_path / "stopped" / "tmp").iterdir())
 
 
-def test_statistics_need_no_rows_on_disk(tmp_path: Path) -> None:
+def test_statistics_over_parts_can_be_calculated_without_rows_on_disk(tmp_path: Path) -> None:
     import polars as pl
 
     plan = made(tmp_path / "map")
@@ -160,7 +160,7 @@ def test_random_points_and_tables_can_be_planned(tmp_path: Path) -> None:
     assert moved.run().skipped == 8
 
 
-def test_every_reader_opens_the_parts(alone: Path) -> None:
+def test_every_supported_parquet_reader_opens_the_parts(alone: Path) -> None:
     import duckdb
     import pandas as pd
     import polars as pl
@@ -177,7 +177,7 @@ def test_every_reader_opens_the_parts(alone: Path) -> None:
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_killed_workers_do_not_change_the_parts(tmp_path: Path) -> None:
+def test_parts_are_bit_identical_even_if_workers_are_killed(tmp_path: Path) -> None:
     """Dask runs as in the guide, with workers that are killed, and the parts are bit-identical. BSM_FAULTS=20 kills
     twenty workers instead of two."""
     dask, distributed = pytest.importorskip("dask"), pytest.importorskip("distributed")

@@ -200,7 +200,7 @@ def test_a_fit_to_measured_points_matches_the_command() -> None:
     assert (caught.value.key, caught.value.row) == ("axial_load_N", 0)
 
 
-def test_reports_in_folders_match_the_commands(tmp_path: Path) -> None:
+def test_reports_written_to_folders_match_the_commands(tmp_path: Path) -> None:
     path = EXAMPLES / "axis.json"
     bs.axis(bs.Case.read(path), figures=tmp_path / "ours" / "axis")
     bs.validate(tmp_path / "ours" / "validate")
@@ -274,7 +274,7 @@ def picked(tmp_path: Path, *words: str | Path) -> dict[str, Any]:
     return found
 
 
-def test_a_nut_of_the_catalog_is_a_case(tmp_path: Path) -> None:
+def test_case_of_a_selected_catalog_nut_matches_the_command(tmp_path: Path) -> None:
     of_axis = EXAMPLES / "requirements" / "axis.json"
     lead = ["--where", "lead_mm=20", "--sort", "nut_mass_kg"]
     for requirement, words in ((None, lead), (of_axis, [*lead, of_axis])):
@@ -320,7 +320,7 @@ def test_nuts_of_a_manufacturer_match_the_command(tmp_path: Path) -> None:
         bs.select_nuts(manufacturers=path, pareto=True)
 
 
-def test_nuts_with_ratings_alone_have_intervals(tmp_path: Path) -> None:
+def test_nuts_with_only_ratings_have_intervals(tmp_path: Path) -> None:
     path = tmp_path / "lines.csv"
     head = "nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N"
     path.write_text(f"{head}\nline,40,20,51300,144400\nmisprint,50,5,24900,10117\n")
@@ -349,7 +349,7 @@ def test_results_of_a_catalog_line_have_intervals_in_a_notebook() -> None:
     assert given.intervals == {} and "estimated" not in repr(given)
 
 
-def test_the_steps_of_a_rating_match_the_command(tmp_path: Path) -> None:
+def test_calculation_steps_of_a_rating_match_the_command(tmp_path: Path) -> None:
     path = EXAMPLES / "nut.json"
     nut, preload = bs.Case.read(path).replace(preload_N=4000), ("--set", "preload_N=4000")
     run = subprocess.run([program(), "solve", path, *preload, "--show", "steps", "-o", tmp_path / "rows.csv"], capture_output=True)
@@ -369,7 +369,7 @@ def test_validate_matches_the_command() -> None:
     assert verdicts == [check["verdict"] for check in told("validate")["checks"]]
 
 
-def test_a_sweep_writes_the_bytes_of_the_program(tmp_path: Path) -> None:
+def test_file_of_a_sweep_is_identical_to_the_file_of_the_program(tmp_path: Path) -> None:
     path = EXAMPLES / "feed_drive.json"
     grid = bs.sweep(
         bs.Case.read(path),
@@ -387,7 +387,7 @@ def test_a_sweep_writes_the_bytes_of_the_program(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("model", ["rigid", "auto"])
-def test_a_table_of_points_writes_the_bytes_of_the_program(tmp_path: Path, model: str) -> None:
+def test_file_of_solved_table_points_is_identical_to_the_file_of_the_program(tmp_path: Path, model: str) -> None:
     path = EXAMPLES / "feed_drive.json"
     # The table has more rows than a chunk of the kernels, or fewer rows for a model that solves them one by one.
     rows = 70_000 if model == "rigid" else 3_000

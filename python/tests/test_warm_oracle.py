@@ -22,7 +22,7 @@ def numbers(expect: dict[str, Any]) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("limited", [False, True])
-def test_warm_reference_follows_with_and_without_the_limit_of_friction(limited: bool) -> None:
+def test_warm_reference_is_reproduced_with_and_without_the_sliding_limit(limited: bool) -> None:
     case = of_case("WS-P5")
     original = {**case["expect"], **case["expect_without_limit"]}
     expected = numbers(case["expect"] if limited else original)
