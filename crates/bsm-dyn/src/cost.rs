@@ -110,7 +110,7 @@ mod tests {
     /// then took three times as long, but no test failed. The bounds below are 1.5 times the
     /// measured median and 99 % quantile, which the comments state in brackets.
     #[test]
-    fn evaluation_counts_stay_within_bounds() {
+    fn numbers_of_function_evaluations_of_each_model_stay_within_bounds() {
         let mut violations = Vec::new();
         for (model, bounds) in [
             // Model `rigid`: the solve consists of sweeps, and the last sweep calculates the

@@ -448,7 +448,7 @@ mod tests {
     /// The constants of Lin's screw with conformities of 0.53 agree with independent values, which
     /// are stated with eight to eleven digits.
     #[test]
-    fn lin_screw_has_the_reference_constants() {
+    fn hertz_constants_of_the_screw_of_lin_match_the_reference() {
         let nut = lin_contact(Raceway::Nut);
         assert_relative_eq!(nut.flatness.recip(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
@@ -466,7 +466,7 @@ mod tests {
     /// Hand calculation in millimeters: for ρ_t = 0.25 1/mm, ρ_x = 0.02 1/mm and a load of 3 kN on
     /// an 8 mm ball, the permanent approach is 1.3e-7 × 0.25 × 0.02 × 9e6 / 8 = 7.3125e-4 mm.
     #[test]
-    fn permanent_approach_matches_a_hand_calculation() {
+    fn permanent_deformation_of_a_hertz_contact_matches_a_hand_calculation() {
         let curvatures = Curvatures { longitudinal: 250.0, transverse: 20.0 };
         let approach = curvatures.permanent_approach(3e3, 4e-3);
         assert_relative_eq!(approach, 7.3125e-7, max_relative = 1e-12);

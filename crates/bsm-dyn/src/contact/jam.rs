@@ -327,7 +327,7 @@ mod tests {
     /// half of the impact force multiplied by √2. Friction increases the thrust by this value
     /// multiplied by the friction coefficient.
     #[test]
-    fn apex_thrust_matches_a_hand_calculation() {
+    fn thrust_at_the_groove_apex_matches_a_hand_calculation() {
         let thrust = apex_thrust(10.0, FRAC_PI_4, 0.1);
         assert_relative_eq!(thrust, 5.0 * 1.1 * 2.0_f64.sqrt(), max_relative = 1e-14);
     }
@@ -335,7 +335,7 @@ mod tests {
     /// Friction across the groove does not push the ball, whereas friction along the groove pushes
     /// the ball with its full magnitude.
     #[test]
-    fn only_friction_along_the_track_pushes_the_ball() {
+    fn friction_along_the_groove_pushes_the_ball_and_friction_across_the_groove_does_not() {
         let full = track_friction(14.0, 0.1, 90.0, -FRAC_PI_2);
         assert_relative_eq!(full, 126.0, max_relative = 1e-14);
         assert!(track_friction(14.0, 0.1, 100.0, PI).abs() < 1e-12);

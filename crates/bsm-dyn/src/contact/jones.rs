@@ -142,7 +142,7 @@ mod tests {
     /// Without load and displacement, both contacts have the unloaded contact angle and zero
     /// approach.
     #[test]
-    fn without_load_contacts_have_the_unloaded_angle() {
+    fn contacts_without_load_have_the_unloaded_contact_angle() {
         let (mean, nut) = SCREW.deformed([0.0; 2], 0.0).unwrap();
         assert_relative_eq!(mean, 0.78, max_relative = 1e-15);
         assert_relative_eq!(nut, 0.0, epsilon = 1e-18);
@@ -184,7 +184,7 @@ mod tests {
     /// No contact angle at the screw corresponds to the given contact angle at the nut, so the
     /// calculation returns an error.
     #[test]
-    fn nut_angle_without_a_screw_angle_is_rejected() {
+    fn nut_contact_angle_for_which_no_screw_contact_angle_exists_is_rejected() {
         assert!(SCREW.opposite([1e-3, 0.0], 0.0).is_err());
     }
 
@@ -210,7 +210,7 @@ mod tests {
         /// Approaches and contact angles from the closed form agree with the values calculated from
         /// the position of the ball center between the groove arcs.
         #[test]
-        fn closed_form_inverts_the_groove_geometry(
+        fn closed_form_contact_angles_and_approaches_agree_with_the_ball_position_in_the_grooves(
             nut in 0.0..5e-5_f64, screw in 0.0..5e-5_f64, tilt in -0.3..0.3_f64,
         ) {
             let (sin, cos) = tilt.sin_cos();

@@ -193,7 +193,7 @@ mod tests {
     /// Under a light load, the permanent approach is negligible. This applies to models with and
     /// without friction in the force balance.
     #[test]
-    fn state_under_a_light_load_agrees_with_the_elastic_model() {
+    fn permanent_deformation_under_a_light_load_is_negligible() {
         let screw = screw_of_dong(44.0);
         let raceway = RacewayControl { at: screw, control: None };
         let traction = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
@@ -238,7 +238,7 @@ mod tests {
     /// Equation 17 of Dong et al. (2020), with the corrected radical (J6), holds for a ball whose
     /// contact angles differ by half a degree due to inertia.
     #[test]
-    fn corrected_radical_gives_the_contact_angle_difference() {
+    fn eq_17_of_dong_with_corrected_radical_gives_the_contact_angle_difference() {
         let screw = screw_of_dong(44.0);
         let raceway = RacewayControl { at: screw, control: None };
         let (loads, angles) = loads_and_angles(&raceway.solve(&mut RacewayWorkspace::default()));

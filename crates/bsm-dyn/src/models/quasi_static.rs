@@ -260,7 +260,7 @@ mod tests {
     /// Rolling resistance without sliding friction acts like a wedge with the friction angle ρ',
     /// where `$\tan\rho' = \tan\rho/\sin\beta$`: `$\eta = \tan\alpha/\tan(\alpha + \rho')$`.
     #[test]
-    fn rolling_resistance_alone_acts_like_a_wedge() {
+    fn efficiency_with_only_rolling_resistance_equals_the_efficiency_of_a_wedge() {
         let rolling = QuasiStatic { friction: Coulomb(0.0), rolling_ratio: 2.3e-3, ..LIN };
         let (lead, contact) = (LIN.angles.lead, LIN.angles.contact);
         let rho = (2.3e-3 / contact.sin().powi(2)).atan();

@@ -392,7 +392,7 @@ mod tests {
 
     /// The reference efficiencies were calculated independently to four digits, with nut control.
     #[test]
-    fn lin_screw_has_the_reference_efficiencies() {
+    fn efficiencies_of_the_screw_of_lin_match_the_reference() {
         for (axial, eta) in [(2113.0, 0.9759), (100.0, 0.9805), (20.0, 0.9810)] {
             let case = RacewayControl { control: Some(Control::Nut), ..lin_screw(axial, 2000.0) };
             let efficiency = solved(&case).transmission.efficiency;
@@ -466,7 +466,7 @@ mod tests {
     }
 
     #[test]
-    fn raceway_with_the_closer_conformity_controls() {
+    fn raceway_with_the_closer_conformity_is_the_controlling_raceway() {
         let spins = |conformity| {
             let screw = ElasticPoint { conformity, ..lin_screw(2113.0, 2000.0).at };
             let o = solved(&RacewayControl { at: screw, control: None });
@@ -546,7 +546,7 @@ mod tests {
     /// nut-controlled ball and for the screw-controlled ball. If the two sides of (W7) are nearly
     /// equal, both balls or neither ball may satisfy it.
     #[test]
-    fn clear_selection_is_the_same_for_nut_and_screw_control() {
+    fn selected_controlling_raceway_does_not_depend_on_the_assumed_one_if_the_criterion_is_clear() {
         let mut rng = ChaCha8Rng::seed_from_u64(33);
         let mut newton = Workspace::default();
         let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);

@@ -157,7 +157,7 @@ mod tests {
     /// The reference values are stated with all digits of an independent solution, for a nut with
     /// 98 equally loaded balls under 6340 N (case P01).
     #[test]
-    fn ball_under_an_equal_load_share_matches_the_reference() {
+    fn displacement_and_load_of_an_equally_loaded_ball_match_the_reference() {
         let screw = screw(6340.0, 1.0);
         let ball = screw.pressed_ball().unwrap();
         let (u, pressing) = ball.under(6340.0 / 98.0, screw.point.helix.lead_angle).unwrap();
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn ball_with_clearance_has_no_load_and_tensile_load_is_rejected() {
+    fn ball_with_clearance_carries_no_load_and_tensile_ball_load_is_rejected() {
         let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
         let loose = ball.at([-1e-6, -1e-6], 0.0);
         assert_eq!((loose.load, loose.energy, loose.force), (0.0, 0.0, [0.0; 2]));

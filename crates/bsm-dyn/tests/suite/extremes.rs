@@ -134,7 +134,7 @@ fn traction_solutions_at_extreme_points_are_consistent() {
 /// cotangent is infinite. The test sets one input at a time to extreme values, up to the smallest
 /// and the largest positive numbers.
 #[test]
-fn every_model_returns_in_time_for_extreme_inputs() {
+fn every_model_returns_within_the_time_limit_for_extreme_inputs() {
     const ABSURD: [f64; 8] = [5e-324, 1e-310, 1e-307, 1e-150, 1e-30, 1e30, 1e150, f64::MAX];
     let absurd = move |input: usize, value: f64| {
         let mut screw = lin(10.0, 45.0, 2000.0, 100.0);
@@ -236,7 +236,7 @@ fn results_do_not_depend_on_units() {
 /// as driving: `1/η − 1 = 1 − η'`. In the closed form, back-driving is equivalent to driving with
 /// the friction coefficient `-f`.
 #[test]
-fn driving_and_back_driving_have_equal_losses() {
+fn rolling_balls_have_equal_losses_in_driving_and_back_driving() {
     let mut work = ModelWorkspace::default();
     let mut tried = 0;
     for screw in extreme_screws(3).take(2000) {
@@ -266,7 +266,7 @@ fn driving_and_back_driving_have_equal_losses() {
 /// the closed form is evaluated at the given contact angle, and for elastic contacts, at the
 /// contact angle under load.
 #[test]
-fn saturated_friction_without_inertia_equals_the_closed_form() {
+fn results_with_saturated_friction_and_without_inertia_equal_the_closed_form() {
     let mut work = ModelWorkspace::default();
     let mut tried = [0; 2];
     for screw in extreme_screws(5).take(2000) {

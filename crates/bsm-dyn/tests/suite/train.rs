@@ -58,7 +58,7 @@ fn assert_near(name: &str, got: f64, want: f64, digits: f64) {
 }
 
 #[test]
-fn pushed_balls_match_the_reference() {
+fn motions_of_pushed_balls_match_the_reference() {
     let work = &mut ModelWorkspace::default();
     for (rpm, pushes, rate, [torque, power, rotation]) in REFERENCES {
         let ball = train_ball(ball(rpm), BALLS, work);
@@ -189,7 +189,7 @@ fn relative_compliance(load: f64, rpm: f64, part: f64) -> (f64, f64) {
 /// The reference table lists load, screw speed, compliance at several fractions of `f Q`, and
 /// increase of the power loss at `f Q`.
 #[test]
-fn compliances_match_the_reference_table() {
+fn compliances_of_pushed_balls_match_the_reference_table() {
     let parts = [0.001, 0.01, 0.1, 0.3, 1.0, 1.5];
     for (load, rpm, slopes, growth) in [
         (10.0, 100.0, [51.0, 85.0, 13.0, 5.2, 3.4, 5.3], 0.57),

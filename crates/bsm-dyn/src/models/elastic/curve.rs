@@ -266,7 +266,7 @@ mod tests {
     use crate::extreme::{random_extreme_screw, random_practical_screw};
 
     #[test]
-    fn direct_root_is_the_first_root_of_the_continuation() {
+    fn root_from_direct_newton_iteration_is_the_first_root_that_continuation_finds() {
         let mut rng = ChaCha8Rng::seed_from_u64(13);
         let (mut of_practice, mut of_extremes) = (0, 0);
         for number in 0..2000 {
@@ -339,7 +339,7 @@ mod tests {
     /// In an earlier version, the search for the beginning of the curve did not end if the
     /// cotangent of the contact angle overflowed.
     #[test]
-    fn number_of_steps_to_the_beginning_of_the_curve_is_bounded() {
+    fn number_of_iterations_to_the_start_of_the_solution_curve_is_bounded() {
         let mut rng = ChaCha8Rng::seed_from_u64(14);
         for number in 0..1000 {
             let mut screw = random_extreme_screw(&mut rng);

@@ -408,11 +408,11 @@ fn median(mut numbers: Vec<f64>) -> f64 {
 /// lubricated in turn, and the fastest of several runs counts. The dry solve uses the friction
 /// coefficient that the lubricated solve reports.
 ///
-/// Command: `cargo test --release -p bsm-dyn --lib measure_cost_of_a_lubricant -- --ignored
-/// --nocapture`
+/// Command: `cargo test --release -p bsm-dyn --lib
+/// solve_time_ratio_of_lubricated_to_dry_screws_is_measured -- --ignored --nocapture`
 #[test]
 #[ignore = "timing"]
-fn measure_cost_of_a_lubricant() {
+fn solve_time_ratio_of_lubricated_to_dry_screws_is_measured() {
     use std::time::Instant;
 
     let mut work = ModelWorkspace::default();

@@ -239,7 +239,7 @@ mod tests {
     /// of the contact normal. With loads of order one and an inertia of 1e-12, the moment is of
     /// order 1e-12.
     #[test]
-    fn moment_about_the_normal_is_of_the_order_of_the_inertia_forces() {
+    fn residual_moment_about_the_contact_normal_is_of_the_order_of_inertia_forces() {
         let case = case(0.3, 0.7, 0.08, 1e-12, 0.0);
         let r = case.residual(&start(&case)).expect("in the domain");
         // In the first-order solution, the terms of order 1e-12 cancel. Only second-order terms and

@@ -20,8 +20,8 @@ const MAX_SWEEPS_WITHOUT_ROOT: f64 = 24.0;
 /// Maximum ratio of inertia force to friction force at which converged sweeps are accepted. The
 /// limit was tested with 38 000 random points with ratios of 10 to 1e4. At all points where the
 /// sweeps converged, they agreed with the branch that begins at zero inertia: they found its first
-/// root, or no root if the branch has none. The test `sweeps_and_continuation_find_the_same_root`
-/// repeats the comparison.
+/// root, or no root if the branch has none. The test
+/// `sweeps_that_converge_find_the_same_root_as_continuation` repeats the comparison.
 const MAX_INERTIA: f64 = 1e4;
 
 /// Tolerance of the friction directions (dimensionless). The sweeps stop if the estimated remaining

@@ -176,7 +176,7 @@ fn practical_point(rng: &mut impl Rng) -> OperatingPoint {
 
 /// At the tested points, the inertia forces exceed the friction forces.
 #[test]
-fn random_starts_find_no_second_root_if_the_limits_exclude_it() {
+fn random_starts_find_no_second_root_if_the_inertia_limits_exclude_a_second_root() {
     const POINTS: usize = 30;
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let (mut work, mut newton) = (RigidWorkspace::default(), Workspace::default());
@@ -201,14 +201,14 @@ fn random_starts_find_no_second_root_if_the_limits_exclude_it() {
 /// If the limits exclude a second root, there is no second root on the branch. This applies to
 /// practical and to extreme points.
 #[test]
-fn branch_has_no_second_root_if_the_limits_exclude_it() {
+fn branch_has_no_second_root_if_the_inertia_limits_exclude_a_second_root() {
     count_second_roots([4000, 2000].map(campaign));
 }
 
 /// Prints the numbers of second roots that are cited in `docs/evidence/robustness.md`.
 #[test]
 #[ignore = "takes a minute"]
-fn branch_has_no_second_root_if_the_limits_exclude_it_at_many_points() {
+fn branch_has_no_second_root_at_many_points_where_the_inertia_limits_exclude_a_second_root() {
     count_second_roots([100_000, 100_000]);
 }
 
@@ -323,7 +323,7 @@ fn second_solution_is_reported_where_the_efficiency_jumps() {
 /// curve, there is a second root with the opposite slip direction at contact A. This root must not
 /// be the result, but the model must not claim that it does not exist.
 #[test]
-fn root_on_an_isolated_curve_is_not_the_result() {
+fn solver_does_not_return_the_root_on_an_isolated_solution_curve() {
     let rigid = operating_point(
         [0.474_482_528_367_515, 0.536_916_895_777_574_3],
         [0.006_280_477_531_758_016_5, 0.023_603_688_672_616_797, 0.008_093_962_926_287_675],
@@ -341,7 +341,7 @@ fn root_on_an_isolated_curve_is_not_the_result() {
 
 /// If the sweeps converge, they find the first root of the branch that begins at zero inertia.
 #[test]
-fn sweeps_and_continuation_find_the_same_root() {
+fn sweeps_that_converge_find_the_same_root_as_continuation() {
     let mut rng = ChaCha8Rng::seed_from_u64(50);
     let (mut compared, mut lost) = (0, 0);
     for number in 0..campaign(4000) {
@@ -489,7 +489,7 @@ fn branch_reaches_the_root_of_a_nut_drive_with_large_inertia() {
 /// the loaded flank of the nut vanishes: random starting values lead to a root at the actual
 /// inertia, but not at smaller inertia.
 #[test]
-fn root_on_a_branch_that_begins_at_finite_inertia_is_not_the_result() {
+fn solver_does_not_return_a_root_on_a_branch_that_begins_at_finite_inertia() {
     let point = operating_point(
         [0.226_055_957_774_747_85, 1.301_645_438_765_080_7],
         [0.010_724_184_593_065_744, 0.057_641_502_279_837_054, 0.040_297_309_822_086_74],

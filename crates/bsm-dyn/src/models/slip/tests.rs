@@ -85,7 +85,7 @@ proptest! {
     /// The spin is the sum of its orbital component and the rotation relative to the traveling
     /// triad.
     #[test]
-    fn spin_is_the_sum_of_orbital_spin_and_rotation_relative_to_the_triad(
+    fn spin_is_the_sum_of_orbital_spin_and_spin_relative_to_the_traveling_triad(
         lead in 0.02..1.2_f64, beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
         omega in proptest::array::uniform3(-3000.0..3000.0_f64),
     ) {
@@ -152,7 +152,7 @@ fn neighboring_rolling_balls_slide_with_twice_their_rim_speed() {
 /// In contrast to the spin, the published spin slip depends on the direction of rotation and does
 /// not vanish at the controlling raceway.
 #[test]
-fn published_spin_slip_differs_from_the_spin() {
+fn published_spin_slip_depends_on_rotation_direction_while_calculated_spin_does_not() {
     let lead = 1e-9;
     let at = |forward| {
         let ball = rolling_ball(Control::Nut, lead, [0.7, 0.7], forward);

@@ -160,7 +160,7 @@ mod tests {
     /// Half of a step changes the slips by half as much as the whole step, even if the step rotates
     /// the contacts by 0.1 rad.
     #[test]
-    fn slips_change_linearly_along_a_step() {
+    fn slip_velocities_change_linearly_along_a_newton_step() {
         let (mut seen, mut bent) = (0, 0.0_f64);
         for_each_practical_rolling_ball(|ball, y, rng| {
             let mut step = [0.0; BALL];
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn first_trial_step_does_not_reverse_large_slips() {
+    fn first_trial_step_does_not_reverse_large_slip_velocities() {
         for_each_practical_rolling_ball(|ball, y, rng| {
             let lead = ball.contacts.scaled.lead;
             let step = std::array::from_fn(|_| rng.random_range(-10.0..10.0));

@@ -133,7 +133,7 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
 /// branches: on the branch that starts without inertia, 737 extreme points have no solution, and
 /// three of these points have a root on another branch.
 #[test]
-fn random_starts_rarely_find_a_root_where_there_is_no_solution() {
+fn random_starts_rarely_find_a_root_at_points_reported_as_unsolvable() {
     let points = campaign(250);
     let SearchCounts { no_solution, found, .. } = search_counts(12, points, 40);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
@@ -144,10 +144,10 @@ fn random_starts_rarely_find_a_root_where_there_is_no_solution() {
 }
 
 /// Repeats the test of `no_solution` with more points. Command: `cargo test --release -p bsm-dyn
-/// --lib no_solution_at_many_points -- --ignored --nocapture`.
+/// --lib random_starts_rarely_find_a_root_at_many_points -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn random_starts_rarely_find_a_root_where_there_is_no_solution_at_many_points() {
+fn random_starts_rarely_find_a_root_at_many_points_reported_as_unsolvable() {
     let SearchCounts { no_solution, .. } = search_counts(2031, 3000, 300);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
     assert!(no_solution[0] > 500, "{no_solution:?}");
@@ -155,7 +155,7 @@ fn random_starts_rarely_find_a_root_where_there_is_no_solution_at_many_points() 
 
 /// A root in the unknowns (T1) is also a root in the unknowns for high centrifugal loads (T10).
 #[test]
-fn both_sets_of_unknowns_have_the_same_roots() {
+fn equations_have_the_same_roots_in_the_unknowns_for_low_and_for_high_centrifugal_load() {
     let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::default());
     let mut seen = 0;
     for number in 0..60 {
@@ -221,7 +221,7 @@ fn count_violated_error_bounds(seed: u64, points: usize) -> (usize, [usize; 3], 
 /// The error bound exceeds the quadrature error at nearly all points, and the error at the default
 /// accuracy is below 1e-7.
 #[test]
-fn error_bound_exceeds_the_quadrature_error() {
+fn reported_error_bound_exceeds_the_quadrature_error() {
     let (points, broken, largest) = count_violated_error_bounds(1994, 1000);
     assert!(points > 900);
     // At the coarsest accuracy, a quadrature with eight nodes is compared with a quadrature with
@@ -234,7 +234,7 @@ fn error_bound_exceeds_the_quadrature_error() {
 /// --lib quadrature_error_at_many_points -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn error_bound_exceeds_the_quadrature_error_at_many_points() {
+fn reported_error_bound_exceeds_the_quadrature_error_at_many_points() {
     let (points, broken, largest) = count_violated_error_bounds(2026, 100_000);
     assert!(points > 90_000);
     assert!(broken[2] * 1000 <= points, "{broken:?}");

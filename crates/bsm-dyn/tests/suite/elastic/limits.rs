@@ -132,7 +132,7 @@ fn onset_number_separates_rolling_from_sliding() {
 
 /// Results do not depend on the units of length and force, so a scaled screw has the same motion.
 #[test]
-fn a_scaled_screw_has_the_same_motion() {
+fn screw_scaled_in_length_and_force_has_the_same_dimensionless_motion() {
     let screw = lin(10.0, 45.0, 6000.0, 20.0);
     let large = with(screw, |ElasticPoint { point, .. }| {
         point.helix.radius *= 3.0;
@@ -241,7 +241,7 @@ fn a_very_soft_screw_has_no_solution() {
 /// In an earlier version, the solver panicked if the friction was smaller than the rounding errors
 /// of the loads.
 #[test]
-fn negligible_friction_is_treated_as_zero() {
+fn friction_below_the_rounding_error_of_the_loads_is_treated_as_zero() {
     let screw = with_friction(1e-310, lin(10.0, 45.0, 2000.0, 2113.0));
     let case = Traction { at: screw, accuracy: 1e-4, creep: 1e-4 };
     let solution = case.solve(&mut TractionWorkspace::default());
@@ -280,7 +280,7 @@ fn power_balance_holds_at_low_speed_with_saturated_friction() {
 
 /// An earlier version did not report that a tolerance cannot be met.
 #[test]
-fn error_bound_of_auto_exceeds_an_unattainable_tolerance() {
+fn auto_reports_an_error_bound_above_the_tolerance_if_the_tolerance_is_unattainable() {
     let screw = lin(10.0, 45.0, 2000.0, 2113.0);
     let exact = Auto { at: screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
     let (choice, solved) = (exact.choice.expect("a choice"), exact.solved().expect("converged"));

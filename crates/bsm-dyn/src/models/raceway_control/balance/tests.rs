@@ -129,7 +129,7 @@ proptest! {
     }
 
     #[test]
-    fn radial_slope_agrees_with_the_jet_derivative(screw in random_screws(), cot in 1e-3..1e3_f64) {
+    fn slope_of_the_radial_contact_force_agrees_with_automatic_differentiation(screw in random_screws(), cot in 1e-3..1e3_f64) {
         let Ok(contacts) = screw.scaled() else { return Ok(()) };
         let balance = Balance::new(&contacts, Control::Nut);
         for i in 0..2 {
