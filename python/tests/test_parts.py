@@ -67,7 +67,7 @@ def test_a_solved_part_consists_of_plain_numbers_and_text(tmp_path: Path, alone:
     assert plan.files[9] == "part-000009.parquet"
 
 
-def test_errors_in_solving_a_part_are_reported(tmp_path: Path) -> None:
+def test_missing_or_damaged_or_unknown_parts_are_reported(tmp_path: Path) -> None:
     plan = made(tmp_path / "map")
     plan.run([0, 4, 5])
     data = tmp_path / "map" / "data"

@@ -323,7 +323,7 @@ proptest! {
     /// A screw of different size, density and load but with the same inertia ratio has the same
     /// efficiency and load ratios.
     #[test]
-    fn geometrically_scaled_screws_have_equal_dimensionless_solutions(case in random_case(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
+    fn screws_with_equal_inertia_ratio_have_equal_dimensionless_solutions(case in random_case(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
         let scaled = OperatingPoint { helix: Helix { radius: case.helix.radius * length, ..case.helix }, ball: Ball {
                 radius: case.ball.radius * length,
                 mass: case.ball.mass * force / length,

@@ -132,7 +132,7 @@ fn onset_number_separates_rolling_from_sliding() {
 
 /// Results do not depend on the units of length and force, so a scaled screw has the same motion.
 #[test]
-fn geometrically_scaled_screw_has_the_same_dimensionless_motion() {
+fn screw_scaled_in_length_and_force_has_the_same_dimensionless_motion() {
     let screw = lin(10.0, 45.0, 6000.0, 20.0);
     let large = with(screw, |ElasticPoint { point, .. }| {
         point.helix.radius *= 3.0;
