@@ -43,7 +43,7 @@ impl Case {
     #[pyo3(name = "_entry")]
     fn entry(&self, name: &str) -> Result<Object> {
         let unknown = || Error::from(format!("no input is named `{name}`"));
-        self.0.nut.get(name).map(Object).ok_or_else(unknown)
+        self.0.entries.get(name).map(Object).ok_or_else(unknown)
     }
 
     #[pyo3(name = "_to_dict")]
