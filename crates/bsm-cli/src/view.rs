@@ -61,7 +61,7 @@ fn page_solver() -> Result<PageSolver<'static>, Failure> {
             "cannot write a page, because its solver was built from version {version}, and bsm from {VERSION}. {REMEDY}"
         ),
         None => format!(
-            "cannot write a page, because bsm was built without the solver of pages. {REMEDY}"
+            "cannot write a page, because bsm was built without the solver that pages contain. {REMEDY}"
         ),
     };
     Err(Failure::Input(text))

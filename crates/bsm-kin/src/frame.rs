@@ -56,8 +56,8 @@ impl<D: Scalar> BallFrame<D> {
         Vector3::new(v.x, c * v.y - s * v.z, s * v.y + c * v.z)
     }
 
-    /// Converts a vector with components in the Frenet-Serret triad `(t, n, b)` into components in
-    /// this triad.
+    /// Converts the Frenet-Serret components `(t, n, b)` of a vector into components in the triad
+    /// `self`.
     pub fn from_frenet(&self, v: &Vector3<D>) -> Vector3<D> {
         let (s, c) = self.rotation_angle.sin_cos();
         Vector3::new(v.x, c * v.y + s * v.z, c * v.z - s * v.y)

@@ -25,7 +25,7 @@ const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 /// Conformity that is assumed for the nuts in the catalog.
 const CONFORMITY: f64 = 0.5203;
 
-/// Returns all checks of nuts with all their balls.
+/// Returns all checks of the complete nut model.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut checks = Vec::new();
     for row in published.nut_bearings.rows::<Bearing>()? {

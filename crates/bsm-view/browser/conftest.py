@@ -87,8 +87,8 @@ def save_page(tmp_path: Path) -> Callable[..., str]:
         out = tmp_path / f"{cases[0].stem}.html"
         command = [BSM, "view", *map(str, cases), "-o", str(out)]
         found = subprocess.run(command, capture_output=True, text=True, check=False)
-        if "built without the solver of pages" in found.stderr:
-            pytest.skip("bsm was built without the solver of pages; run crates/bsm-view/page-solver and build bsm again")
+        if "built without the solver that pages contain" in found.stderr:
+            pytest.skip("bsm was built without the solver that pages contain; run crates/bsm-view/page-solver and build bsm again")
         assert found.returncode == 0, found.stderr
         return out.as_uri()
 

@@ -664,7 +664,7 @@ pub(crate) fn numbers(
     if case.entries.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(case, settings, work)?
-        // On a sheet, the sign of the torque refers to the load.
+        // On a sheet, a positive torque acts against the load.
         && torque.number(output!(screw_load_N)).is_some_and(|load| load > 0.0)
     {
         return Ok(torque.numbers);

@@ -652,8 +652,7 @@ fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result
     }
     case.check()?;
     if case.lacks_groove() && given.given().with_groove() != given.given() {
-        // The rule does not complete all inputs of the groove, so the groove is estimated from the
-        // ratings.
+        // If groove inputs are still missing, the groove is estimated from the ratings.
         *case = given;
         return without_ball(case, circuits, core);
     }

@@ -550,7 +550,7 @@ const NOT_IN_IT: &str = "ball-to-ball contact, ball returns, seals and drag, exc
                          manufacturers' rule predicts for a preloaded nut.";
 
 row! {
-    /// An interval due to uncertain lubricated friction.
+    /// Interval of a result that follows from the uncertainty of the lubricated friction.
     pub(crate) struct LossRow {
         [skip] name: &'static str;
         [skip] label: &'static str = "90 % interval";

@@ -244,7 +244,7 @@ fn document_parser_finds_all_commands() {
         let shells = fences.iter().filter(|fence| fence.info.split(' ').next() == Some("sh"));
         shells.flat_map(|fence| fence.body.lines()).filter_map(bsm_arguments).count()
     };
-    // These numbers of commands were counted by hand when the test was written. Later versions of
+    // The commands in each document were counted by hand when the test was written. Later versions of
     // the documents may contain more commands.
     assert!(count("README.md") >= 6);
     assert!(count("docs/guide/design.md") >= 6);
