@@ -381,7 +381,7 @@ fn errors_name_missing_and_contradictory_inputs() {
     );
     says(
         &format!("{{{nut}, \"cycle\": [{{\"time_s\": 1}}, {{\"share\": 1}}]}}"),
-        "entries with share and entries with a time",
+        "entries with `share` and entries with `time_s`",
     );
     says(&format!("{{{nut}, \"support\": \"loose\"}}"), "support");
 }

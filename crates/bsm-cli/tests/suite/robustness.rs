@@ -300,7 +300,7 @@ fn interrupt_keeps_the_existing_file_and_leaves_no_temporary_files() {
         assert_eq!(output.status.code(), code);
         assert_eq!(fs::read_to_string(&table).expect("there"), "old");
         if let Some(code) = code {
-            assert_exit_and_message(&output, code, "interrupted; unfinished files were removed");
+            assert_exit_and_message(&output, code, "interrupted; incomplete files were removed");
             assert_eq!(file_names(dir.path()), ["out.csv"]);
         }
     }
