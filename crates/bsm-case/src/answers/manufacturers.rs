@@ -506,6 +506,13 @@ impl ManufacturerRow {
         columns
     }
 
+    /// Returns the cells of a row about its verdict: whether the nut passes, the failed rules as a
+    /// list, and the same rules as text for the screen. Returns `None` without a requirement.
+    fn verdict_cells(&self) -> Option<[Value; 3]> {
+        let shown = (!self.failed_rules.is_empty()).then(|| self.failed_rules.join("; "));
+        Some([json!(self.verdict?.passes()), json!(self.failed_rules), json!(shown)])
+    }
+
     /// Returns the answer with one row per nut. The answer fails if no nut passes the rules of its
     /// requirement.
     ///
@@ -520,14 +527,13 @@ impl ManufacturerRow {
             let head = is_shown(place).then_some(column.name);
             Column { unit: column.unit, ..Column::new(column.name, head) }
         });
-        let passes = first.verdict.map(|_| {
-            let fails = rows.iter().any(|row| !row.failed_rules.is_empty());
-            [
-                Column::new("passes", Some("")),
-                Column::new("failed_rules", None),
-                Column::new("", fails.then_some("failed rules")),
-            ]
-        });
+        let fails = rows.iter().any(|row| !row.failed_rules.is_empty());
+        let of_verdict = [
+            Column::new("passes", Some("")),
+            Column::new("failed_rules", None),
+            Column::new("", fails.then_some("failed rules")),
+        ];
+        let of_verdict = of_verdict.into_iter().filter(|_| first.verdict.is_some());
         let are_estimated = rows.iter().any(|row| row.groove.is_some());
         let of_grooves = [("groove", Some("groove")), ("intervals", None), ("notes", None)];
         let of_grooves = of_grooves.map(|(name, head)| Column::new(name, head));
@@ -540,18 +546,14 @@ impl ManufacturerRow {
                 row.texts.iter().map(|(name, text)| (name.clone(), json!(text))).collect();
             std::iter::once(json!(row.name))
                 .chain(numbers)
-                .chain(row.verdict.into_iter().flat_map(|verdict| {
-                    let failed = &row.failed_rules;
-                    let shown = (!failed.is_empty()).then(|| failed.join("; "));
-                    [json!(verdict.passes()), json!(failed), json!(shown)]
-                }))
+                .chain(row.verdict_cells().into_iter().flatten())
                 .chain(of_groove.into_iter().filter(|_| are_estimated))
                 .chain(Some(Value::Object(texts)).filter(|_| !first.texts.is_empty()))
                 .collect()
         };
         let columns: Vec<_> = std::iter::once(Column::new("nut", Some("nut")))
             .chain(numbers)
-            .chain(passes.into_iter().flatten())
+            .chain(of_verdict)
             .chain(of_grooves)
             .chain(texts)
             .collect();
