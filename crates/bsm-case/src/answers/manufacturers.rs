@@ -506,6 +506,18 @@ impl ManufacturerRow {
         columns
     }
 
+    /// Returns the range of calculated divided by stated values for each rating that both have.
+    fn rating_ratios(rows: &[&Self]) -> Option<String> {
+        let ratio = |[name, our]: [&str; 2]| {
+            let ratios = rows.iter().filter_map(|row| Some(row.value(our)? / row.value(name)?));
+            let (low, high) =
+                ratios.fold((f64::INFINITY, 0.0_f64), |(l, h), r| (l.min(r), h.max(r)));
+            (high > 0.0).then(|| format!("{name} {} to {}", short(low), short(high)))
+        };
+        let ratios: Vec<_> = RATED.into_iter().filter_map(ratio).collect();
+        (!ratios.is_empty()).then(|| ratios.join(", "))
+    }
+
     /// Returns the answer with one row per nut. The answer fails if no nut passes the rules of its
     /// requirement.
     ///
@@ -565,22 +577,12 @@ impl ManufacturerRow {
         let bands = listed.iter().map(bands).collect();
         let table =
             Table { rows: listed.iter().map(row).collect(), bands, columns, ..Table::default() };
-        let ratio = |[name, our]: [&str; 2]| {
-            let ratios = rows.iter().filter_map(|row| Some(row.value(our)? / row.value(name)?));
-            let (low, high) =
-                ratios.fold((f64::INFINITY, 0.0_f64), |(l, h), r| (l.min(r), h.max(r)));
-            (high > 0.0).then(|| format!("{name} {} to {}", short(low), short(high)))
-        };
-        let ratios: Vec<_> = RATED.into_iter().filter_map(ratio).collect();
         let judged = |verdict| rows.iter().filter(|row| row.verdict == Some(verdict)).count();
         let (passing, undecided) = (judged(Verdict::Passes), judged(Verdict::Undecided));
         let sized = first.verdict.is_some();
         let mut answer = Answer { fails: sized && passing + undecided == 0, ..Answer::default() }
             .with("", Content::Table(table))
-            .with_shown(Content::Text(
-                "calculated / stated:",
-                (!ratios.is_empty()).then(|| ratios.join(", ")),
-            ));
+            .with_shown(Content::Text("calculated / stated:", Self::rating_ratios(rows)));
         let choice =
             rows.first().filter(|row| row.verdict.is_some_and(|verdict| verdict != Verdict::Fails));
         let warning = |row: &Self| {
