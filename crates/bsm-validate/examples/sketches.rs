@@ -483,7 +483,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("third-contact", third_contact()),
     ];
     for (name, drawing) in drawings {
-        fs::write(folder.join(format!("{name}.svg")), drawing.svg()?)?;
+        fs::write(folder.join(format!("{name}.svg")), drawing.svg())?;
     }
     Ok(())
 }
