@@ -2296,8 +2296,8 @@ def select_nuts(
         `lead_mm`, `ball_diameter_mm`, `circuits` or `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`,
         `dynamic_load_rating_N`, `static_load_rating_N` and `stiffness_N_um`, in any unit. The program uses the ratings
         in the table, and adds the calculated ratings as columns `our_...`. With `requirement`, each nut is checked with
-        the rules of `axis`, and `passes` is true if it satisfies all rules. Nuts that pass come first, ordered by the
-        mass of the screw.
+        the rules of `axis`, and `passes` is true if it satisfies all rules; `failed_rules` names the failed rules. Nuts that pass come first, ordered by
+        the mass of screw and nut.
     columns_from : mapping, optional
         Maps the column names of `manufacturers` to names of this package. None ignores a column.
     pareto : bool
@@ -2339,15 +2339,18 @@ def select_nuts(
         except InputError as error:
             error.add_note("columns_from maps column names to names of this package, or to None for columns to ignore")
             raise
-        found, nuts, keeps, grooves, warnings, kept = _core.manufacturers(table, names, required)
+        found, nuts, verdicts, grooves, warnings, kept = _core.manufacturers(table, names, required)
         columns: dict[str, Any] = {"nut": np.array(nuts, dtype=object)}
         columns |= {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
         if required is not None:
-            columns["passes"] = np.array([keep is True for keep in keeps], dtype=bool)
-            columns["undecided"] = np.array([keep is None for keep in keeps], dtype=bool)
+            columns["passes"] = np.array([passes is True for passes, _ in verdicts], dtype=bool)
+            columns["undecided"] = np.array([passes is None for passes, _ in verdicts], dtype=bool)
+            # An array of lists must be created before the lists are stored in it.
+            columns["failed_rules"] = np.empty(len(verdicts), dtype=object)
+            columns["failed_rules"][:] = [failed for _, failed in verdicts]
         if any(groove is not None for groove in grooves):
             columns["groove"] = np.array(grooves, dtype=object)
-        for name in ("nut", "passes", "undecided", "groove"):
+        for name in ("nut", "passes", "undecided", "failed_rules", "groove"):
             if name in columns:
                 columns[name].flags.writeable = False
     else:

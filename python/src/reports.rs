@@ -8,8 +8,7 @@ use bsm_case::{
     Answer, AxisReport, CATALOG, Calibration, CaseError, Catalog, ColumnValues, Content, DRAWS,
     DesignReport, EllipseFields, Fit, FittedInput, ListColumn, ManufacturerNut, ManufacturerRow,
     Measurement, MeasurementError, ModelChoice, MotionAnswer, NutFilter, NutProblem, NutReport,
-    Output, Record, RequirementFile, Samples, Settings, TableFormat, Verdict, over_grooves,
-    sheet_columns,
+    Output, Record, RequirementFile, Samples, Settings, TableFormat, over_grooves, sheet_columns,
 };
 use bsm_dyn::{ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
@@ -428,12 +427,18 @@ fn requirement_of(
 }
 
 /// Results for the nuts of a manufacturer's table, as returned by [`manufacturers`].
-type ManufacturerTable =
-    (Table, Vec<String>, Vec<Option<bool>>, Vec<Option<String>>, Vec<String>, Nuts);
+type ManufacturerTable = (
+    Table,
+    Vec<String>,
+    Vec<(Option<bool>, Vec<&'static str>)>,
+    Vec<Option<String>>,
+    Vec<String>,
+    Nuts,
+);
 
 /// Compares the catalog data in a manufacturer's table with calculated values. Returns the numeric
 /// columns and, for each nut, its name, whether it passes the rules of a requirement (`None` if
-/// undecided), and how its groove was determined. Also returns warnings, and the nuts as cases.
+/// undecided) with the names of the failed rules, and how its groove was determined. Also returns warnings, and the nuts as cases.
 ///
 /// * `table`: manufacturer's table as CSV text.
 /// * `names`: map from the column names of the table to the names of the program.
@@ -459,11 +464,12 @@ pub(crate) fn manufacturers(
     };
     let columns = ManufacturerRow::table(&listed).into_iter().filter_map(numbers).collect();
     let names = rows.iter().map(|row| row.name.clone()).collect();
-    let passes = rows.iter().filter_map(|row| row.verdict).map(Verdict::passes).collect();
+    let verdict = |row: &ManufacturerRow| Some((row.verdict?.passes(), row.failed_rules.clone()));
+    let verdicts = rows.iter().filter_map(verdict).collect();
     let grooves = rows.iter().map(|row| row.groove.clone()).collect();
     let warnings = ManufacturerRow::answer(&listed, 0, |_| true).warnings;
     let nuts = Nuts(Box::new(move |row| rows.get(row).map(|row| row.case.to_json())));
-    Ok((columns, names, passes, grooves, warnings, nuts))
+    Ok((columns, names, verdicts, grooves, warnings, nuts))
 }
 
 /// Returns the name, unit and values of each column in a list of nuts.
