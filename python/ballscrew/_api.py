@@ -2296,7 +2296,7 @@ def select_nuts(
         `lead_mm`, `ball_diameter_mm`, `circuits` or `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`,
         `dynamic_load_rating_N`, `static_load_rating_N` and `stiffness_N_um`, in any unit. The program uses the ratings
         in the table, and adds the calculated ratings as columns `our_...`. With `requirement`, each nut is checked with
-        the rules of `axis`, and `passes` is true if it satisfies all rules; `failed_rules` names the failed rules. Nuts that pass come first, ordered by
+        the rules of `axis`, and `passes` is true if it satisfies all rules; `failed_rules` names the failed rules, or is None. Nuts that pass come first, ordered by
         the mass of screw and nut.
     columns_from : mapping, optional
         Maps the column names of `manufacturers` to names of this package. None ignores a column.
@@ -2345,9 +2345,7 @@ def select_nuts(
         if required is not None:
             columns["passes"] = np.array([passes is True for passes, _ in verdicts], dtype=bool)
             columns["undecided"] = np.array([passes is None for passes, _ in verdicts], dtype=bool)
-            # An array of lists must be created before the lists are stored in it.
-            columns["failed_rules"] = np.empty(len(verdicts), dtype=object)
-            columns["failed_rules"][:] = [failed for _, failed in verdicts]
+            columns["failed_rules"] = np.array(["; ".join(failed) or None for _, failed in verdicts], dtype=object)
         if any(groove is not None for groove in grooves):
             columns["groove"] = np.array(grooves, dtype=object)
         for name in ("nut", "passes", "undecided", "failed_rules", "groove"):
