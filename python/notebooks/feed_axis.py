@@ -84,7 +84,7 @@ for name in names:
 
 # %%
 nuts = bs.select_nuts("standard", requirement=requirement)
-mass = nuts["mass_kg"] + nuts["screw_mass_kg"]
+mass = nuts["nut_mass_kg"] + nuts["screw_mass_kg"]
 heat = nuts["mean_heat_W"]
 order = np.lexsort((heat, mass))
 best = order[np.diff(np.minimum.accumulate(heat[order]), prepend=np.inf) < 0]
