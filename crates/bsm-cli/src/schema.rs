@@ -2,7 +2,9 @@
 //! have. The schemas are derived from the same structs and tables as the answers.
 
 use bsm_case::units::units_by_quantity;
-use bsm_case::{AnswerSchema, ObjectSchema, input_schema, output_schema};
+#[cfg(any(feature = "parquet", feature = "validate"))]
+use bsm_case::ObjectSchema;
+use bsm_case::{AnswerSchema, input_schema, output_schema};
 #[cfg(feature = "validate")]
 use bsm_validate::ReportJson;
 use serde_json::{Value, json};
