@@ -3,6 +3,7 @@
 pub(crate) mod analysis;
 pub(crate) mod axis;
 pub(crate) mod band;
+mod branch;
 pub(crate) mod calibration;
 pub(crate) mod comparison;
 pub(crate) mod design;

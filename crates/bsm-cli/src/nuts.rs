@@ -4,7 +4,9 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use bsm_case::{Case, Catalog, ListColumn, ManufacturerRow, NutFilter, NutList, RequirementFile};
+use bsm_case::{
+    Case, Catalog, ListColumn, ManufacturerRow, NutFilter, NutList, Output, RequirementFile,
+};
 use bsm_report::sheets::{catalog_figures, table_figures};
 use serde_json::{Value, json};
 
@@ -155,11 +157,19 @@ fn count(list: &NutList, args: &SelectArgs) -> String {
 
 /// Returns a text that lists the names, units and descriptions of all columns.
 pub(crate) fn columns() -> String {
-    let row = |column: &ListColumn| {
-        let when = if column.is_of_sheet() { "with a requirement" } else { "" };
-        [column.output.name, column.output.unit, column.output.about, when]
-            .map(str::to_owned)
-            .to_vec()
+    let row = |name: &str, unit: &str, about: &str, when: &str| {
+        [name, unit, about, when].map(str::to_owned).to_vec()
     };
-    table::plain(None, &ListColumn::of_sizes(true).iter().map(row).collect::<Vec<_>>(), usize::MAX)
+    let sizes = ListColumn::of_sizes(true);
+    let of_sizes = sizes.iter().map(|ListColumn { output, .. }| output);
+    let is_new = |output: &&Output| !of_sizes.clone().any(|known| known.name == output.name);
+    let of_tables = bsm_case::table("manufacturer").flat_map(|quantity| quantity.columns);
+    let of_list = sizes.iter().map(|column| {
+        let when = if column.is_of_sheet() { "with a requirement" } else { "" };
+        row(column.output.name, column.output.unit, column.output.about, when)
+    });
+    let when = "with --from TABLE.csv";
+    let numbers = of_tables.filter(is_new).map(|o| row(o.name, o.unit, o.about, when));
+    let texts = ManufacturerRow::TEXTS.iter().map(|(name, about)| row(name, "", about, when));
+    table::plain(None, &of_list.chain(numbers).chain(texts).collect::<Vec<_>>(), usize::MAX)
 }

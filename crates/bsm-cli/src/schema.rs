@@ -1,9 +1,9 @@
 //! `bsm schema`: JSON Schemas of files and answers, and the unit suffixes that input names may
 //! have. The schemas are derived from the same structs and tables as the answers.
 
-use bsm_case::units::units_by_quantity;
 #[cfg(any(feature = "parquet", feature = "validate"))]
 use bsm_case::ObjectSchema;
+use bsm_case::units::units_by_quantity;
 use bsm_case::{AnswerSchema, input_schema, output_schema};
 #[cfg(feature = "validate")]
 use bsm_validate::ReportJson;

@@ -4,7 +4,7 @@
 use bsm_dyn::{Model, ModelWorkspace};
 
 use super::moving::MotionAnswer;
-use super::{axis, band, jam, manufacturers, nut, optimum, ratings, slip, warm, warnings};
+use super::{axis, band, branch, jam, manufacturers, nut, optimum, ratings, slip, warm, warnings};
 use crate::case::problem::Needs;
 use crate::case::rated_nut;
 use crate::vocabulary::display::in_unit;
@@ -16,7 +16,7 @@ use crate::{
 
 impl AnalysisKind {
     /// All kinds of analyses.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Slip,
         Self::Jam,
         Self::Optimum,
@@ -26,10 +26,11 @@ impl AnalysisKind {
         Self::Warm,
         Self::Warnings,
         Self::Band,
+        Self::Branch,
     ];
 
     /// Names and quantities of the analyses, in the order of [`ALL`](Self::ALL).
-    const ROWS: [(&str, &[Quantity]); 9] = [
+    const ROWS: [(&str, &[Quantity]); 10] = [
         ("slip", slip::QUANTITIES),
         ("jam", jam::QUANTITIES),
         ("optimum", optimum::QUANTITIES),
@@ -39,6 +40,7 @@ impl AnalysisKind {
         ("warm", warm::QUANTITIES),
         ("warnings", warnings::QUANTITIES),
         ("band", band::QUANTITIES),
+        ("branch", branch::QUANTITIES),
     ];
 
     /// Returns the name of the command that prints the analysis.
@@ -63,7 +65,7 @@ impl AnalysisKind {
 
     /// Returns true if the analysis needs a solved motion, and false if it needs only inputs.
     pub fn needs_solution(self) -> bool {
-        self.needs_motion() || matches!(self, Self::Warnings | Self::Band)
+        self.needs_motion() || matches!(self, Self::Warnings | Self::Band | Self::Branch)
     }
 
     /// Returns the names of the required inputs that are missing. Some quantities may need
@@ -81,7 +83,7 @@ impl AnalysisKind {
             Self::Axis if given.lacks_groove() => Vec::new(),
             Self::Axis => axis::NEEDS.missing(given),
             Self::Warm => warm::missing(base, given),
-            Self::Warnings => Vec::new(),
+            Self::Warnings | Self::Branch => Vec::new(),
             Self::Band => band::NEEDS.missing(given),
         }
     }
@@ -121,7 +123,8 @@ impl AnalysisKind {
             (Self::Band, Some(moving)) => {
                 band::numbers(case, &moving.settings, &moving.solution, work)
             }
-            (Self::Slip | Self::Jam | Self::Warnings | Self::Band, None) => {
+            (Self::Branch, Some(moving)) => branch::numbers(case, &moving.settings, work),
+            (Self::Slip | Self::Jam | Self::Warnings | Self::Band | Self::Branch, None) => {
                 Ok(Numbers::none(self.quantities()))
             }
         }

@@ -466,6 +466,8 @@ impl AxisReport {
             }
             Err(why) => return Err(why),
             Ok(case) => match (Self::with(&case, settings, full), case.has_estimated_groove()) {
+                // The user can correct an input, unlike an estimated groove.
+                (Err(why @ CaseError::Entry { .. }), _) => return Err(why),
                 (Err(why), true) => {
                     let Ok(report) = Self::with(&line, settings, full) else { return Err(why) };
                     let why = format!("The results that need the groove are omitted: {why}");

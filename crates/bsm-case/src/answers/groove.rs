@@ -640,13 +640,14 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     let estimated = case.entries.estimated_inputs.iter().flatten();
     let estimated: Vec<_> = estimated.map(|name| name.0).collect();
     let is_estimated = |key| estimated.contains(&key);
+    let length = case.display_units().of("mm");
     let draws = estimate.draws(bsm_design::DRAWS);
     let ends = |key: InputKey| {
         let read = |groove: &EstimatedGroove| match key {
             InputKey::nut_conformity => groove.conformity.0,
             InputKey::screw_conformity => groove.conformity.1,
             InputKey::contact_angle_deg => groove.contact_angle / DEG,
-            _ => groove.pitch_diameter / MM,
+            _ => length.value(groove.pitch_diameter / MM),
         };
         let Some(Band { low, high }) = Band::of(draws.iter().map(read)) else {
             return String::new();
@@ -661,12 +662,14 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     if is_estimated(InputKey::ball_diameter_mm) {
         let others = estimate.likely_balls().iter().skip(1).map(|ball| {
             let percent = 100.0 * ball.probability;
-            format!("{} mm: {percent:.0} %", trimmed(ball.ball_diameter / MM))
+            let diameter = trimmed(length.value(ball.ball_diameter / MM));
+            format!("{diameter} {}: {percent:.0} %", length.text)
         });
         let percent = 100.0 * estimate.balls[0].probability;
         let sure = std::iter::once(format!("{percent:.0} %")).chain(others);
         let sure = sure.collect::<Vec<_>>().join(", ");
-        row("ball diameter", trimmed(best.ball_diameter / MM), "mm", "estimated", sure);
+        let diameter = trimmed(length.value(best.ball_diameter / MM));
+        row("ball diameter", diameter, length.text, "estimated", sure);
     }
     let [low, high] = [0.05, 0.95].map(|part| estimate.loaded_balls_quantile(part));
     let sure = format!("{low:.0} to {high:.0}");
@@ -681,8 +684,8 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
         (
             InputKey::pitch_circle_diameter_mm,
             "pitch circle diameter",
-            best.pitch_diameter / MM,
-            "mm",
+            length.value(best.pitch_diameter / MM),
+            length.text,
         ),
     ];
     for (key, what, value, unit) in others {

@@ -52,7 +52,7 @@ pub struct ManufacturerNut {
     pub name: String,
     /// Case of the nut, with the ratings stated by the manufacturer.
     pub case: Case,
-    /// Names and cells of text columns that are not inputs.
+    /// Names and cells of the columns that are not inputs, such as the price.
     pub texts: Vec<(String, String)>,
 }
 
@@ -65,7 +65,7 @@ impl ManufacturerNut {
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
         let words = [&TEXT_COLUMNS, CaseEntries::KEYS].concat();
-        let kept = cells.texts(|name| is_unknown_word(name, format, &words));
+        let kept = cells.kept(|name, has_text| is_kept_column(name, has_text, format, &words));
         let columns = cells.columns(|name| {
             if kept.iter().any(|(own, _)| own == name) {
                 return Ok(None);
@@ -142,10 +142,19 @@ impl ManufacturerNut {
     }
 }
 
-/// Returns true if a column name is neither an input nor another known name. Such a column is kept
-/// if it contains text.
-fn is_unknown_word(name: &str, format: &TableFormat, words: &[&'static str]) -> bool {
-    format.name(name) == Some(name) && manufacturer_column(name, format, words).is_err()
+/// Returns true if a column is kept although its name is unknown, such as the price of the nuts. A
+/// column of numbers is kept only if its name resembles no known name, because a misspelled name
+/// must not remove an input.
+fn is_kept_column(
+    name: &str,
+    has_text: bool,
+    format: &TableFormat,
+    words: &[&'static str],
+) -> bool {
+    let is_own_name = format.name(name) == Some(name);
+    let resembles_no_name =
+        |error: &CaseError| has_text || matches!(error, CaseError::Unknown { nearest: None, .. });
+    is_own_name && manufacturer_column(name, format, words).is_err_and(|e| resembles_no_name(&e))
 }
 
 /// Ratio of axial load to dynamic load rating for which manufacturers state the stiffness of a
@@ -239,7 +248,7 @@ pub struct ManufacturerRow {
     /// Notes on an estimated groove: unusual ratings, and rules that are met only for some of the
     /// possible grooves.
     pub notes: Vec<String>,
-    /// Names and cells of text columns that are not inputs.
+    /// Names and cells of the columns that are not inputs, such as the price.
     pub texts: Vec<(String, String)>,
 }
 
@@ -463,9 +472,19 @@ impl ManufacturerRow {
         bsm_design::front(&costs).into_iter().map(|place| places[place]).collect()
     }
 
-    /// Columns that contain text.
-    pub(crate) const TEXTS: [&str; 5] =
-        ["nut", "passes", "failed_rules", "groove", "contradiction"];
+    /// Columns that contain text, with their meaning.
+    pub const TEXTS: [(&str, &str); 5] = [
+        ("nut", "name of the nut, or the number of its row"),
+        ("passes", "true, false or undecided: whether the nut passes all rules of the requirement"),
+        ("failed_rules", "rules of the requirement that the nut fails"),
+        ("groove", "given, or a description of the estimated ball"),
+        ("contradiction", "reason why ratings and geometry of the row contradict each other"),
+    ];
+
+    /// Returns true if a column of text has the given name.
+    pub(crate) fn is_text(name: &str) -> bool {
+        Self::TEXTS.iter().any(|(text, _)| *text == name)
+    }
 
     /// Returns the columns of a table of rows. If any number in a column depends on an estimated
     /// groove, two columns with the ends of the 90 % intervals follow.
@@ -501,7 +520,15 @@ impl ManufacturerRow {
         }));
         columns.push(text("contradiction", &|row| row.contradiction.clone()));
         for (place, (name, _)) in first.texts.iter().enumerate() {
-            columns.push(text(name, &|row| Some(row.texts[place].1.clone())));
+            let cell = |row: &Self| row.texts[place].1.clone();
+            let number = |row: &&Self| match cell(row) {
+                empty if empty.is_empty() => Ok(f64::NAN),
+                text => text.parse(),
+            };
+            columns.push(match rows.iter().map(number).collect() {
+                Ok(numbers) => (name.clone(), "", ColumnValues::Numbers(numbers)),
+                Err(_) => text(name, &|row| Some(cell(row))),
+            });
         }
         columns
     }
@@ -610,7 +637,7 @@ impl ManufacturerRow {
         }));
         let kept: Vec<_> = first.texts.iter().map(|(name, _)| name.as_str()).collect();
         answer.notes.extend((!kept.is_empty()).then(|| {
-            format!("These columns are kept as text and have no effect: {}.", kept.join(", "))
+            format!("These columns are not inputs and have no effect: {}.", kept.join(", "))
         }));
         answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass.", rows.len())));
         answer.notes.extend((undecided > 0).then(|| {

@@ -126,7 +126,7 @@ impl ListColumn {
             Some((*all.iter().find(|column| column.output.name == own)?, change))
         });
         found.ok_or_else(|| {
-            if ManufacturerRow::TEXTS.contains(&name) {
+            if ManufacturerRow::is_text(name) {
                 return CaseError::Invalid(format!(
                     "`{name}` is a column of text in a manufacturer's table (--from TABLE.csv), but conditions and sorting need a column \
                      of numbers. Nuts that pass all rules always come first"
@@ -554,7 +554,7 @@ impl NutList {
         wanted: Option<&[String]>,
         display: DisplayUnits,
     ) -> Result<Vec<ShownColumn>, CaseError> {
-        let is_of_tables = |name: &&String| ManufacturerRow::TEXTS.contains(&name.as_str());
+        let is_of_tables = |name: &&String| ManufacturerRow::is_text(name);
         let missing = wanted.into_iter().flatten().find(is_of_tables);
         if let (Rows::Sizes { .. }, Some(name)) = (&self.rows, missing) {
             return Err(CaseError::Invalid(format!(

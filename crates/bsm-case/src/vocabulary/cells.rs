@@ -77,14 +77,22 @@ impl Cells {
         self.heads.iter().map(read).collect()
     }
 
-    /// Returns the columns whose name satisfies `wanted` and which contain text in at least one
-    /// cell. Each column is returned with all its cells.
-    pub(crate) fn texts(&self, wanted: impl Fn(&str) -> bool) -> Vec<(String, Vec<String>)> {
-        let cells = |place: usize| self.rows.iter().map(move |row| row[place].clone());
-        let is_text = |cell: String| !cell.is_empty() && self.number(&cell).is_err();
-        let places = (0..self.heads.len()).filter(|place| wanted(&self.heads[*place]));
-        let texts = places.filter(|place| cells(*place).any(is_text));
-        texts.map(|place| (self.heads[place].clone(), cells(place).collect())).collect()
+    /// Returns the columns whose name satisfies `wanted`. Each column is returned with all its cells.
+    /// Numbers are written with a decimal point.
+    ///
+    /// * `wanted`: function of the name of a column, and of whether at least one of its cells
+    ///   contains text that is not a number.
+    pub(crate) fn kept(&self, wanted: impl Fn(&str, bool) -> bool) -> Vec<(String, Vec<String>)> {
+        let is_text = |cell: &String| !cell.is_empty() && self.number(cell).is_err();
+        let is_kept = |place: &usize| {
+            wanted(&self.heads[*place], self.rows.iter().any(|row| is_text(&row[*place])))
+        };
+        let written = |cell: &String| {
+            self.number(cell).map_or_else(|_| cell.clone(), |number| number.to_string())
+        };
+        let cells = |place: usize| self.rows.iter().map(|row| written(&row[place])).collect();
+        let places = (0..self.heads.len()).filter(is_kept);
+        places.map(|place| (self.heads[place].clone(), cells(place))).collect()
     }
 
     /// Calls a function for each row with those cells that are neither empty nor in an ignored

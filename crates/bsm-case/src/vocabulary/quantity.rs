@@ -28,6 +28,8 @@ pub enum AnalysisKind {
     Warnings,
     /// 90 % intervals due to uncertain lubricant friction.
     Band,
+    /// Steady motions on the branch of increasing inertia.
+    Branch,
 }
 
 /// An input or a result. It has a single value, or one value for each contact or direction.

@@ -59,6 +59,17 @@ impl Problem {
         }
     }
 
+    /// Returns all steady states on the branch of increasing inertia that begins at a ball without
+    /// inertia, or `None` if the model does not follow branches. Only [`Rigid`] and [`Traction`]
+    /// follow branches.
+    pub fn branch(&self, work: &mut ModelWorkspace) -> Option<Result<Vec<SteadyState>, NoAnswer>> {
+        match self {
+            Self::Rigid(problem) => Some(problem.branch(&mut work.rigid)),
+            Self::Traction(problem) => Some(problem.branch(&mut work.traction)),
+            _ => None,
+        }
+    }
+
     /// Returns the uncertainty interval of the power loss in lubricated contacts for a solved
     /// point; `None` without a lubricant.
     pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {

@@ -149,13 +149,20 @@ impl Rigid {
         Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
     }
 
-    /// Solves for the steady motion of the ball, and follows the whole branch to find other
-    /// solutions. [`solve`](Self::solve) reports other solutions only if it needs to follow the
-    /// branch for another reason.
-    #[cfg(test)]
-    fn solve_with_branch(&self, work: &mut RigidWorkspace) -> Solution {
-        let root = self.ball().and_then(|ball| Ok((ball, root::find_all(&ball, work)?)));
-        Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
+    /// Returns all steady states on the branch of increasing inertia that begins at a ball without
+    /// inertia. [`solve`](Self::solve) returns the first one. It counts the others only if it needs
+    /// to follow the branch for another reason.
+    ///
+    /// # Errors
+    ///
+    /// Returns the [`NoAnswer`] of [`solve`](Self::solve), or [`NoAnswer::LOST`] if the branch
+    /// cannot be followed to its end.
+    pub fn branch(&self, work: &mut RigidWorkspace) -> Result<Vec<SteadyState>, NoAnswer> {
+        let ball = self.ball()?;
+        let root = root::find_all(&ball, work)?;
+        let others = root.alternatives.as_ref().ok_or(NoAnswer::LOST)?;
+        let others = others.iter().filter_map(|other| self.balanced(&ball, other).ok());
+        Ok(std::iter::once(self.balanced(&ball, &root)?).chain(others).collect())
     }
 
     /// Converts a root and its alternatives into a steady state in SI units.

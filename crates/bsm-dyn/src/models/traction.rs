@@ -15,7 +15,7 @@ mod slips;
 mod train;
 
 pub(crate) use self::equations::{COARSE, COARSE_RESIDUAL, SEARCH, turned};
-use self::equations::{PowerFlow, ROOT, SlipBall};
+use self::equations::{ROOT, SlipBall};
 use self::root::RootWithPower;
 pub(crate) use self::root::SlipRoot;
 pub use self::train::{TrainBall, TrainMotion};
@@ -162,26 +162,77 @@ impl Traction {
                 refined.ok_or_else(lost)?
             }
         };
-        let RootWithPower { root, transmitted, torque_slope, loaded } = refined;
-        let PowerFlow { torque, power, sliding } = transmitted;
+        let RootWithPower { root, transmitted, torque_slope, .. } = refined;
         let tractions = [NUT_LOAD, SCREW_LOAD].map(|load| contacts.friction * root.unknowns[load]);
-        let by_creep = creep_effect(creep, tractions, sliding.map(f64::abs));
-        let ball = ball.of(&root);
-        let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
-        let steady = self.at.ball_state(contacts, &loaded, &to_nut, true)?;
-        let transmission = self.at.transmission_at(torque, power)?;
-        let checked = SlipBall { quadrature: check, ..ball };
+        let by_creep = creep_effect(creep, tractions, transmitted.sliding.map(f64::abs));
+        let steady = self.steady(&ball, &refined)?;
+        let checked = SlipBall { quadrature: check, ..ball.of(&root) };
         let other = checked.evaluated(&root.unknowns).ok();
-        let (other, efficiency) = (other.as_ref(), transmission.efficiency);
+        let (other, efficiency) = (other.as_ref(), steady.transmission.efficiency);
         let error = checked.error(self.accuracy, other, &torque_slope, efficiency, newton);
         let solved = SteadyState {
             skid: Some(rolling_ball.skid(contacts)),
             info: Some(SolveInfo { steps, residual: root.residual }),
             error: Some(ErrorBound::of(contacts.direction, efficiency, error)),
-            ..SteadyState::new(&steady, transmission)
+            ..steady
         };
         Ok(SlipResult { solved, root, error, by_creep })
     }
+
+    /// Converts a root into a steady state in SI units.
+    ///
+    /// * `ball`: equations with which the root was refined.
+    fn steady(&self, ball: &SlipBall<'_>, found: &RootWithPower) -> Result<SteadyState, NoAnswer> {
+        let RootWithPower { root, transmitted, loaded, .. } = found;
+        let to_nut = ball.of(root).motion_to_nut(&root.unknowns, loaded);
+        let state = self.at.ball_state(ball.contacts, loaded, &to_nut, true)?;
+        let transmission = self.at.transmission_at(transmitted.torque, transmitted.power)?;
+        Ok(SteadyState::new(&state, transmission))
+    }
+
+    /// Returns all steady states on the branch of increasing inertia that begins at a ball without
+    /// inertia. They contain neither error bounds nor skid numbers.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`NoAnswer`] if the model does not accept the inputs, if the branch cannot be
+    /// followed to its end, or if a root on the branch cannot be refined.
+    pub fn branch(&self, work: &mut TractionWorkspace) -> Result<Vec<SteadyState>, NoAnswer> {
+        self.at.point.require_friction()?;
+        let contacts = self.at.scaled()?;
+        let TractionWorkspace { newton, rules, .. } = work;
+        let [[search, _], [rule, _]] = rules.dry([SEARCH, self.accuracy]);
+        let creep = self.creep * contacts.slip_scale();
+        let search = SlipBall::of_contacts(&contacts, search, creep);
+        let ball =
+            SlipBall { residual_goal: ROOT, ..SlipBall::of_contacts(&contacts, rule, creep) };
+        let with_nut_angle = SlipBall { uses_nut_angle: true, ..search };
+        let roots = search.all_roots(newton).or_else(|| with_nut_angle.all_roots(newton));
+        let mut states = Vec::<SteadyState>::new();
+        for near in roots.ok_or(NoAnswer::LOST)? {
+            let refined = ball.refined(&near, &Default::default(), newton, &mut 0);
+            let state = self.steady(&ball, &refined.ok_or(NoAnswer::LOST)?)?;
+            if !states.iter().any(|known| are_equal(known, &state)) {
+                states.push(state);
+            }
+        }
+        Ok(states)
+    }
+}
+
+/// Relative difference of the precession rates and of the efficiencies below which two steady
+/// states are the same. Roots are refined to ten digits, and different roots on a branch differ more
+/// except at a fold.
+const SAME_STATE_TOL: f64 = 1e-6;
+
+/// Returns true if two steady states are the same except for rounding errors.
+fn are_equal(one: &SteadyState, other: &SteadyState) -> bool {
+    let numbers = |state: &SteadyState| {
+        let precession = state.ball.motion.map_or(f64::NAN, |motion| motion.precession);
+        [precession, state.transmission.efficiency]
+    };
+    let pairs = numbers(one).into_iter().zip(numbers(other));
+    pairs.into_iter().all(|(x, y)| (x - y).abs() <= SAME_STATE_TOL * x.abs().max(y.abs()))
 }
 
 /// An operating point and the solution for a rolling ball at this point. The solver starts from the

@@ -120,13 +120,28 @@ impl RuleInputs<'_> {
             && let Some((of_support, limit)) =
                 self.axis.buckling_safety_of_support().zip(rule.limit)
         {
-            rule.margin_without_default = Some(of_support / limit);
+            let margin = of_support / limit;
+            rule.margin_without_default = Some(margin);
             if !rule.fails() {
-                let remedy = "buckling_support fixed-fixed, if a guided table clamps the nut";
-                rule.remedy = (!rule.passes()).then(|| remedy.to_owned());
+                let remedy = format!(
+                    "buckling_support fixed-fixed if a guided table clamps the nut; otherwise {}",
+                    self.remedy_of_buckling(margin)
+                );
+                rule.remedy = (!rule.passes()).then_some(remedy);
             }
         }
         rule
+    }
+
+    /// Describes the remedies of a buckling safety factor that is too small.
+    ///
+    /// * `margin`: safety factor / smallest permitted safety factor.
+    fn remedy_of_buckling(&self, margin: f64) -> String {
+        format!(
+            "unsupported_length_mm of at most {}, or a core diameter of at least {} mm",
+            at_most(self.length_mm() * margin.sqrt(), 0),
+            at_least(self.core_mm() * margin.powf(-0.25), 1)
+        )
     }
 
     /// Describes a remedy against whirling that does not change the length or the diameter of the
@@ -319,11 +334,7 @@ rules! {
         = of.judged(output!(buckling_safety), K::required_buckling_safety),
         at_least of.input(K::required_buckling_safety),
         of.buckling_source(),
-        format!(
-            "unsupported_length_mm of at most {}, or a core diameter of at least {} mm",
-            at_most(of.length_mm() * margin.sqrt(), 0),
-            at_least(of.core_mm() * margin.powf(-0.25), 1)
-        );
+        of.remedy_of_buckling(margin);
     "core stress" largest_load_N = Some(of.axis.largest_load()).filter(|load| *load > 0.0),
         at_most of.number(output!(yield_load_N)).or(Some(f64::NAN)),
         "THK and others: 147 N/mm2 (Z3)",

@@ -104,7 +104,6 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
 /// # Errors
 ///
 /// Returns the errors of [`find`].
-#[cfg(test)]
 pub(super) fn find_all(
     ball: &RigidBall<f64>,
     work: &mut RigidWorkspace,

@@ -295,10 +295,13 @@ fn count_balanced_roots(rigid: &OperatingPoint, ball: &RigidBall, roots: &[BallR
 fn second_solution_is_reported_where_the_efficiency_jumps() {
     let mut work = RigidWorkspace::default();
     let answered = |angle: f64, work: &mut _| {
-        let solution = Rigid { point: point_near_a_jump(angle) }.solve_with_branch(work);
-        let solved = solution.answer.expect("a root");
-        let alternatives = solved.alternatives.expect("a branch");
-        (solved.transmission.efficiency, alternatives.count, alternatives.farthest_efficiency)
+        let branch = Rigid { point: point_near_a_jump(angle) }.branch(work).expect("a branch");
+        let (first, others) = branch.split_first().expect("a root");
+        let first = first.transmission.efficiency;
+        let far = |eta: &f64| (eta - first).abs();
+        let others: Vec<_> = others.iter().map(|other| other.transmission.efficiency).collect();
+        let farthest = others.iter().max_by(|a, b| far(a).total_cmp(&far(b))).copied();
+        (first, others.len(), farthest)
     };
     // This operating point has three roots: two whose efficiencies are checked below, and one
     // between them.

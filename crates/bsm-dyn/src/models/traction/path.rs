@@ -60,6 +60,18 @@ pub(super) enum PathResult {
     Lost,
 }
 
+/// A path of increasing inertia forces that begins at a ball without inertia.
+struct InertiaPath {
+    /// Roots on the path with both contacts on their flanks, in the order of the path.
+    roots: Vec<SlipRoot>,
+    /// Contact angles at the first root that is beyond the flanks.
+    off_flank: Option<[f64; 2]>,
+    /// Unknowns at the last point of the path.
+    end: [f64; BALL],
+    /// True if the path was followed to its end, or to the root at which it was ended.
+    is_complete: bool,
+}
+
 /// Quantity that varies along a path.
 #[derive(Debug, Clone, Copy)]
 enum PathParameter {
@@ -143,15 +155,55 @@ impl SlipBall<'_> {
 
     /// Follows the path of increasing inertia forces to the first root with both contacts on their
     /// flanks.
-    ///
-    /// The path starts from a ball without inertia and with small friction. First, the creep speed
-    /// is lowered; then, friction is increased to its actual value; and finally, the inertia forces
-    /// are increased.
     pub(super) fn followed(&self, newton: &mut Workspace, steps: &mut usize) -> PathResult {
         searched();
+        let at_rest = match self.without_inertia(newton, steps) {
+            Ok(at_rest) => at_rest,
+            Err(none) => return none,
+        };
+        let is_first = |root: &SlipRoot| self.is_balanced(root);
+        let forward = self.beginning_at_rest(&at_rest, 1.0, is_first, newton, steps);
+        if forward.roots.last().is_some_and(is_first) {
+            return self.first_on(&forward);
+        }
+        let backward = self.beginning_at_rest(&at_rest, -1.0, is_first, newton, steps);
+        self.first_on(if backward.roots.is_empty() { &forward } else { &backward })
+    }
+
+    /// Returns all roots with both contacts on their flanks on the path of increasing inertia
+    /// forces, or `None` if path tracking fails. The first root is the root of
+    /// [`followed`](Self::followed).
+    pub(super) fn all_roots(&self, newton: &mut Workspace) -> Option<Vec<SlipRoot>> {
+        let steps = &mut 0;
+        let at_rest = self.without_inertia(newton, steps).ok()?;
+        let mut roots = Vec::new();
+        for sense in [1.0, -1.0] {
+            let path = self.beginning_at_rest(&at_rest, sense, |_| false, newton, steps);
+            if !path.is_complete {
+                return None;
+            }
+            roots.extend(path.roots.into_iter().filter(|root| self.is_balanced(root)));
+        }
+        Some(roots)
+    }
+
+    /// Returns the unknowns of a ball without inertia.
+    ///
+    /// The path to this ball starts from a ball with small friction. First, the creep speed is
+    /// lowered; then, friction is increased to its actual value.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`PathResult::OffFlank`] if the ball leaves its flanks along this path, and
+    /// [`PathResult::Lost`] if path tracking fails.
+    fn without_inertia(
+        &self,
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Result<[f64; BALL], PathResult> {
         let still = self.contacts.with_inertia(0.0);
         let slippery = still.with_friction(self.contacts.friction.min(SMALL_FRICTION));
-        let Ok(guess) = RollingBall::guess(&still) else { return PathResult::Lost };
+        let guess = RollingBall::guess(&still).map_err(|_| PathResult::Lost)?;
         let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
         // At the initial creep speed, friction is nearly proportional to the slip.
         let begin = (10.0 * self.lever(&y)).ln();
@@ -162,61 +214,66 @@ impl SlipBall<'_> {
             *steps += report.steps.len();
             report.converged()
         });
-        if arrived.is_err() {
-            return PathResult::Lost;
+        arrived.map_err(|_| PathResult::Lost)?;
+        if slippery.friction >= self.contacts.friction {
+            return Ok(y);
         }
-        if slippery.friction < self.contacts.friction {
-            let resting = SlipBall { contacts: &still, ..*self };
-            let goal = self.contacts.friction.ln();
-            let seen = trace(
-                &PathEquations { ball: &resting, along: PathParameter::Friction },
-                &seed(&y, slippery.friction.ln()),
-                |z, way| [(z[BALL] - goal, way[BALL])],
-                |Trace { crossings, last, .. }| {
-                    let over = resting.is_far(last) || last[BALL] < 2.0 * SMALL_FRICTION.ln();
-                    crossings.is_empty() && !over
-                },
-                &STEP_CONTROL,
-            );
-            *steps += seen.steps;
-            let landed = seen.crossings.first().is_some_and(|EventRoot { z, .. }| {
-                y = ball(z);
-                resting.run(&mut y, newton).converged()
-            });
-            if !landed {
-                let end = ball(&seen.last);
-                let none = self.is_off_flank(&end, FLANK_ANGLE_TOL);
-                return if none {
-                    PathResult::OffFlank(self.angles(&end))
-                } else {
-                    PathResult::Lost
-                };
-            }
+        let resting = SlipBall { contacts: &still, ..*self };
+        let goal = self.contacts.friction.ln();
+        let seen = trace(
+            &PathEquations { ball: &resting, along: PathParameter::Friction },
+            &seed(&y, slippery.friction.ln()),
+            |z, way| [(z[BALL] - goal, way[BALL])],
+            |Trace { crossings, last, .. }| {
+                let over = resting.is_far(last) || last[BALL] < 2.0 * SMALL_FRICTION.ln();
+                crossings.is_empty() && !over
+            },
+            &STEP_CONTROL,
+        );
+        *steps += seen.steps;
+        let has_landed = seen.crossings.first().is_some_and(|EventRoot { z, .. }| {
+            y = ball(z);
+            resting.run(&mut y, newton).converged()
+        });
+        if has_landed {
+            return Ok(y);
         }
-        let forwards = self.beginning_at_rest(&y, 1.0, newton, steps);
-        if let PathResult::SlipRoot(root) = &forwards
-            && self.is_balanced(root)
-        {
-            return forwards;
+        let end = ball(&seen.last);
+        Err(if self.is_off_flank(&end, FLANK_ANGLE_TOL) {
+            PathResult::OffFlank(self.angles(&end))
+        } else {
+            PathResult::Lost
+        })
+    }
+
+    /// Returns the last root that was found on a path or, if there is none, the reason.
+    fn first_on(&self, path: &InertiaPath) -> PathResult {
+        let InertiaPath { roots, off_flank, end, is_complete } = path;
+        if let Some(root) = roots.last() {
+            return PathResult::SlipRoot(*root);
         }
-        match self.beginning_at_rest(&y, -1.0, newton, steps) {
-            root @ PathResult::SlipRoot(_) => root,
-            _ => forwards,
+        let is_off = self.is_off_flank(end, FLANK_ANGLE_TOL);
+        match off_flank {
+            _ if !is_complete && !is_off => PathResult::Lost,
+            Some(angles) => PathResult::OffFlank(*angles),
+            None if is_off => PathResult::OffFlank(self.angles(end)),
+            None => PathResult::Lost,
         }
     }
 
-    /// Follows the path of increasing inertia forces from a ball without inertia to the first root
-    /// with both contacts on their flanks.
+    /// Follows the path of increasing inertia forces from a ball without inertia.
     ///
     /// * `sense`: 1 if the precession rate that determines the inertia forces moves toward the
     ///   precession rate of the ball without inertia, and -1 if it moves away from that rate.
+    /// * `is_last`: function that returns true if the path ends at a root.
     fn beginning_at_rest(
         &self,
         y: &[f64; BALL],
         sense: f64,
+        is_last: impl Fn(&SlipRoot) -> bool,
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> PathResult {
+    ) -> InertiaPath {
         let (at_rest, mu) = (self.rate(y), self.contacts.inertia_ratio());
         // At this precession rate, the inertia forces are small compared with load and friction.
         let small = at_rest.abs().min((0.1 / mu).sqrt()).min(self.contacts.friction / mu);
@@ -224,7 +281,7 @@ impl SlipBall<'_> {
         // No ball has a precession rate above twice the sum of relative speed and nut speed.
         let most = 2.0 * (1.0 + self.contacts.scaled.nut_speed.abs());
         let event_rate = |z: &[f64; PATH]| unit * z[BALL].sinh();
-        let (mut found, mut off_flank, mut known, mut more) = (None, None, 0, 0);
+        let (mut roots, mut off_flank, mut known, mut more) = (Vec::new(), None, 0, 0);
         let seen = trace(
             &PathEquations { ball: self, along: PathParameter::Rate { unit } },
             &seed(y, 0.0),
@@ -242,8 +299,8 @@ impl SlipBall<'_> {
                     }
                     let root = self.with_nut_angle(y, report.residual, newton, &mut more);
                     if self.is_admissible(&root) {
-                        found = Some(PathResult::SlipRoot(root));
-                        if self.is_balanced(&root) {
+                        roots.push(root);
+                        if is_last(&root) {
                             return false;
                         }
                     } else {
@@ -256,13 +313,7 @@ impl SlipBall<'_> {
             &STEP_CONTROL,
         );
         *steps += seen.steps + more;
-        let (end, ended) = (ball(&seen.last), seen.end == PathEnd::Ended);
-        let is_off = self.is_off_flank(&end, FLANK_ANGLE_TOL);
-        found.unwrap_or_else(|| match off_flank {
-            _ if !ended && !is_off => PathResult::Lost,
-            Some(angles) => PathResult::OffFlank(angles),
-            None if is_off => PathResult::OffFlank(self.angles(&end)),
-            None => PathResult::Lost,
-        })
+        let is_complete = seen.end == PathEnd::Ended;
+        InertiaPath { roots, off_flank, end: ball(&seen.last), is_complete }
     }
 }

@@ -244,6 +244,24 @@ fn reported_error_bound_exceeds_the_quadrature_error_at_many_points() {
 /// Compares the equations in contact coordinates with a calculation of forces and moments as
 /// vectors in the ball triad, for both sets of unknowns.
 #[test]
+fn first_motion_on_the_branch_is_the_reported_motion() {
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut work = TractionWorkspace::default();
+    let mut compared = 0;
+    for _ in 0..60 {
+        let at = random_practical_screw(&mut rng);
+        let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let Ok(reported) = traction.solve(&mut work).answer else { continue };
+        let branch = traction.branch(&mut work).expect("a complete branch");
+        let [found, expected] = [branch[0], reported].map(|state| state.transmission.efficiency);
+        // Both are refined with the same quadrature to a residual of 1e-10.
+        assert_relative_eq!(found, expected, epsilon = 1e-9);
+        compared += 1;
+    }
+    assert!(compared > 50, "{compared}");
+}
+
+#[test]
 fn equations_agree_with_force_and_moment_vectors() {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(5));
     let [[quadrature, _]] = work.rules.dry([COARSE]);
