@@ -114,8 +114,8 @@ impl Case {
             key.input().rule.check(key.name(), self[key].unwrap_or(f64::NAN))?;
         }
         if self.number(InputKey::starts) > 1.0 {
-            let what = "The groove is not given in full, and load ratings only suffice to estimate the groove of a screw with one \
-                        start. Give the groove.";
+            let what = "The groove is not given in full, and it can be estimated from load ratings only if the screw has one \
+                        start. Give all inputs of the groove.";
             return Err(CaseError::NoGroove(what.to_owned()));
         }
         match line.estimate() {
