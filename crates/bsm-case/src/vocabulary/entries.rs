@@ -390,7 +390,7 @@ schemas! {
     [<T: Choice>] Named<T> = { "type": "string", "enum": names(T::NAMES) };
     [] InputName = { "type": "string", "enum": INPUTS.iter().map(|input| input.name).collect::<Vec<_>>() };
     [] ClassName = { "type": "string", "enum": names(&PRELOAD_CLASSES) };
-    // Names of accuracy grades, and numbers that are short for P grades.
+    // The values are the names of accuracy grades, and numbers that stand for P grades.
     [] GradeName = {
         "type": ["string", "integer"],
         "enum": Grade::all().map(|grade| json!(grade.name)).chain(NUMBERS.map(Value::from)).collect::<Vec<_>>(),

@@ -131,7 +131,7 @@ macro_rules! inputs {
 
         /// Key of an input, which is its index in [`INPUTS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
+        #[expect(non_camel_case_types, reason = "the variants have the names of the vocabulary")]
         pub enum InputKey {
             $($(#[doc = $about] $name,)*)*
         }

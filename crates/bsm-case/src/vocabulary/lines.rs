@@ -161,7 +161,8 @@ pub fn split<'a>(
     loop {
         let (cell, after) = match text.strip_prefix('"') {
             Some(quoted) if quotes => {
-                // A doubled quote is part of the cell, and a single quote ends the cell.
+                // Two consecutive quotes stand for a quote in the cell, and any other quote ends
+                // the cell.
                 let mut end = 0;
                 loop {
                     end += quoted[end..].find('"').ok_or_else(|| {

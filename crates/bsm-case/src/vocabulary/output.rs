@@ -135,7 +135,7 @@ impl Output {
                 of.about
             );
             Self {
-                // The text is never freed, but it is only created once per output.
+                // The strings are never freed, but they are created only once per output.
                 name: Box::leak(name.into_boxed_str()),
                 about: Box::leak(about.into_boxed_str()),
                 origin: Origin::Interval { of, is_high },
@@ -220,7 +220,7 @@ macro_rules! outputs {
 
         /// Key of an output, which is its index in [`OUTPUTS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
+        #[expect(non_camel_case_types, reason = "the variants have the names of the vocabulary")]
         pub enum SolutionOutput {
             $($($(#[doc = $about] $name,)+)*)*
         }
@@ -279,7 +279,7 @@ fn read_at<F: Real>(
     read(solved, at)
 }
 
-/// Returns the same number for all solutions.
+/// Converts a constant to the number type of the solution.
 #[inline(always)]
 fn constant<F: Real>(solved: &SteadyState<F>, number: f64) -> F {
     solved.transmission.efficiency.constant(number)
@@ -291,7 +291,7 @@ fn flags<F: Real>(solved: &SteadyState<F>, holds: F::Mask) -> F {
     F::select(holds, constant(solved, 1.0), constant(solved, 0.0))
 }
 
-/// Converts the value true to 1 and false to 0.
+/// Converts true to 1 and false to 0.
 fn yes(holds: bool) -> f64 {
     f64::from(u8::from(holds))
 }
