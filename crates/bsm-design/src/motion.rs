@@ -122,7 +122,7 @@ impl Move {
             return Err(least);
         }
         let root = ((time - least) * (time + least)).max(0.0).sqrt();
-        // v = 2 S/[t + √(t² − 2cS)], which is free of cancellation for small c (BB1)
+        // v = 2 S/[t + √(t² − 2cS)], which avoids cancellation for small c (BB1)
         Ok(Self::with_top(2.0 * distance / (time + root), time, ramps))
     }
 

@@ -225,7 +225,7 @@ pub struct Requirement {
 
 /// Quantities of a design that may have limits, in the order of the steps of Lin's procedure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(missing_docs, reason = "the names say what the values are; SI units")]
+#[expect(missing_docs, reason = "the names state the quantities; all values are in SI units")]
 pub enum DesignQuantity {
     LeadAngle,
     BestContactAngle,
