@@ -1,4 +1,5 @@
-//! Pictures in a program that was built without the feature `plot`. Each picture is an error.
+//! Drawing functions of a program that was built without the feature `plot`. Each of them returns
+//! an error.
 
 use crate::{Figure, Map, ReportError};
 
