@@ -17,8 +17,8 @@ const ROUNDING: f64 = 1e-12;
 /// Fraction of the largest speed of a phase below which friction is constant. The transition from
 /// standstill is not modeled.
 ///
-/// This fraction also applies to loads. Without a preload, friction varies linearly with the load
-/// below this fraction of the largest load of the phase.
+/// The constant also applies to loads: without a preload, friction varies linearly with the load
+/// for all loads below this fraction of the largest load of the phase.
 const CREEP: f64 = 1e-3;
 
 /// Number of Gauss nodes that represent a ramp if each friction calculation is expensive.

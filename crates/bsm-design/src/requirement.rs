@@ -546,7 +546,8 @@ impl Design {
         Self { nut, size: None, phase, checks }
     }
 
-    /// Works like [`of`](Self::of) for a nut from the lists, and keeps its size.
+    /// Calculates the quantities of a nut from the lists, as [`of`](Self::of) does, and stores its
+    /// size.
     pub fn of_candidate(
         requirement: &Requirement,
         candidate: &Candidate,

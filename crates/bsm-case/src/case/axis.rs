@@ -246,7 +246,7 @@ impl Machine {
         let is_finite =
             |(time, travel): (f64, CycleTravel)| time.is_finite() && travel.way.is_finite();
         if !cycle.is_none_or(is_finite) {
-            return Err(bad("cycle", "has a travel that is not finite"));
+            return Err(bad("cycle", "has a travel that is too large; give shorter times"));
         }
         let phases = phases(&motion.segments, &carriage, size.lead);
         let is_rated = groove.is_some() || ratings.iter().any(|rating| !rating.is_nan());
@@ -624,7 +624,7 @@ fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseErro
         continuous: row.continuous_torque_Nm,
     });
     let curve = MotorCurve::new(points.collect())
-        .ok_or_else(|| bad(NAME, "needs rows in the order of increasing speed_rpm"))?;
+        .ok_or_else(|| bad(NAME, "needs rows in order of increasing speed_rpm"))?;
     if fastest > curve.fastest() * (1.0 + 1e-12) {
         let what = format!(
             "ends at {} rpm, but the motor turns at {} rpm",

@@ -82,7 +82,7 @@ impl Cycle {
         }
         let sum: f64 = segments.iter().map(|segment| segment.time).sum();
         if !sum.is_finite() {
-            return Err(bad("cycle", "has times whose sum is not finite"));
+            return Err(bad("cycle", "has times whose sum is too large; give shorter times"));
         }
         let rest = |time: f64| {
             let still = ProfileSegment::constant(time, DutySpeed::REST, rest_force);

@@ -15,7 +15,7 @@ use crate::vocabulary::rules::Relation;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseEntries, CaseError, InputKey, InputSet, entries};
 
-/// Key of the description of a case.
+/// Key under which a case file contains its description.
 const DESCRIPTION: &str = "description";
 
 impl Case {

@@ -422,7 +422,7 @@ outputs! {
         "other_solutions" [""] Count: other_solutions whole = |s, _| Some(constant(s, count(s.alternatives?.count))),
             "number of other steady motions known at this point; null: unknown, because no search was made or the search failed";
         "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| Some(constant(s, s.alternatives?.farthest_efficiency?)),
-            "efficiency of the other steady motion whose efficiency differs most";
+            "efficiency of the other steady motion whose efficiency differs most from the efficiency of this motion";
         "evidence" [""] Evidence: evidence whole = |_, _| None,
             "evidence for no_solution: proof; bound (limits measured at many points: the error of an expansion, or the range in which two solutions exist); traced (the branch of states that starts at small inertia was traced to its end in steps of finite size)";
     }
