@@ -621,13 +621,14 @@ fn changes_of_sign<const N: usize>(ends: [f64; 2], of: impl Fn(f64) -> [f64; N])
     found
 }
 
-/// Returns the intervals into which the breaks divide [0, 1]. Breaks outside [0, 1] are ignored.
+/// Returns the intervals into which the break points divide [0, 1]. Break points outside [0, 1] are
+/// ignored.
 fn intervals(breaks: &[f64]) -> impl Iterator<Item = [f64; 2]> + use<> {
     intervals_between([0.0, 1.0], breaks)
 }
 
-/// Returns the intervals into which the breaks divide the range between two ends. Breaks outside
-/// the range are ignored.
+/// Returns the intervals into which the break points divide the range between two ends. Break
+/// points outside the range are ignored.
 fn intervals_between(ends: [f64; 2], breaks: &[f64]) -> impl Iterator<Item = [f64; 2]> + use<> {
     let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
     let inside = breaks.iter().copied().filter(|at| low < *at && *at < high);

@@ -1,4 +1,4 @@
-//! Drawing functions of a program that was built without the feature `plot`. Each of them returns
+//! Drawing functions of a program that was built without the feature `plot`. Each function returns
 //! an error.
 
 use crate::{Figure, Map, ReportError};

@@ -61,7 +61,7 @@ impl<'a> Connection<'a> {
                 }
                 Ok(httparse::Status::Partial) if bytes.len() < MAX_HEAD => {}
                 Ok(httparse::Status::Partial) | Err(httparse::Error::TooManyHeaders) => {
-                    let error = "the request has too many headers or too long ones";
+                    let error = "the request has too many headers, or its headers are too long";
                     return Err((431, error.to_owned()));
                 }
                 Err(error) => return Err((400, format!("cannot read the request: {error}"))),

@@ -36,8 +36,8 @@ const READ: InputSet = {
 };
 
 impl InputSet {
-    /// Returns this set of inputs. If the set contains diameter, lead and dynamic load rating, the
-    /// result also contains the inputs of the groove that is estimated from these inputs.
+    /// Returns this set of inputs and, if the set contains diameter, lead and dynamic load rating,
+    /// the inputs of the groove that the program estimates from them.
     #[must_use]
     pub fn with_groove(self) -> Self {
         let has_lead = self.meets(inputs! { lead_mm lead_angle_deg });

@@ -529,7 +529,7 @@ inputs! {
         microsteps_count [""] Whole(1.0), Some(1.0),
             "microsteps per full step of a stepper motor";
         encoder_counts_per_turn [""] Whole(1.0), None,
-            "counts of the encoder per turn of the motor; counted after quadrature; used to calculate the travel per count";
+            "counts of the encoder per turn of the motor; counted after quadrature and used to calculate the travel per count";
         largest_inertia_ratio [""] Above(0.0), Some(10.0),
             "largest permitted load-to-motor inertia ratio; usually 3 to 10";
         counterweight_kg ["kg"] AtLeast(0.0), Some(0.0),

@@ -332,7 +332,7 @@ outputs! {
         "  drag" ["W"] Number: drag_power_W whole = |s, _| Some(s.film.as_ref()?.outside.drag),
             "power loss due to drag of the balls in the lubricant";
         "equivalent constant friction coefficient" [""] Number: equivalent_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.equivalent_friction),
-            "constant friction coefficient with the same loss of the contacts at this point";
+            "constant friction coefficient that gives the same contact loss at this point";
         "friction coefficient of a plain thread with this efficiency" [""] Number: catalog_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.catalog_friction),
             "friction coefficient of a plain thread with the same efficiency, as stated in catalogs";
         "temperature of the lubricant" ["C"] Number: lubricant_temperature_C whole = |s, _| Some(s.film.as_ref()?.temperature - ZERO_CELSIUS),
@@ -398,7 +398,7 @@ outputs! {
         "asperity load share" ["" "xi"] Number: nut_asperity_share nut screw_asperity_share screw = |s, at| Some(film(s, at)?.asperity_share),
             "share of the load that asperities carry";
         "friction coefficient" ["" "mu"] Number: nut_friction_coefficient nut screw_friction_coefficient screw = |s, at| Some(film(s, at)?.friction),
-            "mean friction coefficient: sliding power / sliding power with a coefficient of one";
+            "mean friction coefficient: sliding power divided by the sliding power for a coefficient of one";
         "rolling moment" ["N mm"] Number: nut_rolling_moment_Nmm nut screw_rolling_moment_Nmm screw = |s, at| Some(film(s, at)?.rolling_moment / MM),
             "moment that opposes rolling, due to lubricant and hysteresis";
         "entrainment" ["m/s" "u"] Number: nut_entrainment_m_s nut screw_entrainment_m_s screw = |s, at| Some(film(s, at)?.entrainment),

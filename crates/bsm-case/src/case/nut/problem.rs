@@ -260,7 +260,7 @@ impl NutProblem {
                 self.nut.preloaded(by, displacement)
             }
         };
-        // Temperature rises do not change the offset or oversize that sets the preload (U19)
+        // Temperature rises do not change the offset or oversize that sets the preload (U19).
         let nut = match self.rises {
             Some((rises, expansion)) => cold.warmed(rises, expansion),
             None => cold.clone(),
