@@ -78,7 +78,7 @@ macro_rules! answer {
 
 /// Declares a row of a table: `name: Type as "name in JSON" = "heading" | interval;`.
 ///
-/// A cell without a heading is only contained in JSON, and a cell with `[skip]` is only shown on the
+/// A cell without a heading appears only in JSON, and a cell with `[skip]` appears only on the
 /// screen. `[flatten]` inserts the cells of another type. `interval` is the name of a cell with the
 /// ends of the 90 % interval that the screen shows next to the number. `unit name` after the struct
 /// states which cell contains the unit of the row.
