@@ -4,7 +4,7 @@
 //! point with the names and units of the vocabulary. [`Case::problem`] converts it to the problem
 //! of a model in SI units, and [`Record`] converts the solution back. Ratings, designs, fits and
 //! analyses use the same vocabulary. The crate does not solve anything itself: it contains no
-//! iterations, no searches and no tolerances for them.
+//! iterative solvers, searches or convergence tolerances.
 //!
 //! The model `auto` chooses the fastest model that is accurate enough:
 //!

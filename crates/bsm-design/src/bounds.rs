@@ -24,8 +24,8 @@ impl Bounds {
         Self { least: None, most }
     }
 
-    /// Returns the violation relative to the limit, which is zero or negative within the limits,
-    /// and 1 if the value is NaN. Returns `None` if there are no limits.
+    /// Returns the relative violation of the limits. It is zero or negative within the limits, and
+    /// 1 if the value is NaN. Returns `None` if there are no limits.
     pub fn violation(self, value: f64) -> Option<f64> {
         let below = self.least.map(|least| 1.0 - value / least);
         let above = self.most.map(|most| value / most - 1.0);
@@ -41,8 +41,8 @@ impl Bounds {
         self.violation(value).is_none_or(|violation| violation <= ROUNDING)
     }
 
-    /// Returns the factor by which the value may move towards the limit. Returns `None` if there
-    /// are no limits.
+    /// Returns the factor by which the value can change before it reaches a limit. Returns `None`
+    /// if there are no limits.
     pub fn margin(self, value: f64) -> Option<f64> {
         let below = self.least.map(|least| value / least);
         let above = self.most.map(|most| most / value);
@@ -52,7 +52,7 @@ impl Bounds {
         }
     }
 
-    /// Returns true if a [`margin`](Self::margin) is sufficient.
+    /// Returns true if a [`margin`](Self::margin) is at least 1, apart from rounding errors.
     pub fn is_sufficient(margin: f64) -> bool {
         margin >= 1.0 - ROUNDING
     }
@@ -63,7 +63,7 @@ impl Bounds {
         Self { least: self.least.map(&change), most: self.most.map(&change) }
     }
 
-    /// Returns true if both have the same limits, apart from a relative difference.
+    /// Returns true if the limits of `self` and `other` agree to within a relative difference.
     ///
     /// * `difference`: largest relative difference.
     pub fn are_close_to(self, other: Self, difference: f64) -> bool {
@@ -79,8 +79,8 @@ impl Bounds {
 mod tests {
     use super::*;
 
-    /// Values at a limit meet it in spite of rounding errors, and NaN meets no limit. A negative
-    /// value is below an upper limit.
+    /// A value at a limit meets the limit in spite of rounding errors, and NaN meets no limit. A
+    /// negative value meets an upper limit.
     #[test]
     fn value_at_a_limit_meets_the_limit_in_spite_of_rounding_errors() {
         let both = Bounds { least: Some(0.3), most: Some(2.0) };

@@ -327,8 +327,8 @@ impl Lists {
         all.into_par_iter().filter(|index| self.candidate(limits, *index).is_some()).collect()
     }
 
-    /// Applies `each` to the nuts with the given indices and returns the results in the same order.
-    /// The nuts are not stored.
+    /// Applies `each` to the nuts with the given indices and returns the results that are not
+    /// `None`, in the same order. The nuts are not stored.
     pub fn map<R: Send>(
         &self,
         limits: &Limits,

@@ -572,7 +572,7 @@ mod tests {
 
     use super::*;
 
-    /// Returns a catalog row from nominal diameter and lead \[mm\] and load ratings \[N\].
+    /// Creates a catalog row from nominal diameter and lead \[mm\] and load ratings \[N\].
     fn line(nominal: f64, lead: f64, dynamic_rating: f64, static_rating: f64) -> CatalogLine {
         CatalogLine {
             nominal_diameter: nominal / PER_M,

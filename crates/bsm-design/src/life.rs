@@ -249,7 +249,7 @@ mod tests {
         {
             assert_relative_eq!(reliability_factor(percent), factor, max_relative = 1e-12);
         }
-        // ln(100/92)/ln(100/90) = 0.791 39.
+        // ln(100/92)/ln(100/90) = 0.79139.
         assert_relative_eq!(reliability_factor(92.0), 0.8556, max_relative = 1e-4);
         for (percent, factor) in RELIABILITY {
             let beside = reliability_factor((percent - 1e-6).max(90.0 + 1e-6));
@@ -264,8 +264,8 @@ mod tests {
     fn lives_match_worked_examples_of_catalogs() {
         let rpm = TAU / 60.0;
         let of = life(4400.0, None, &[duty(1.2 * 250.0, 2118.0 * rpm, 1.0)]).expect("turns");
-        // The exact result is 24 826.6 h. MISUMI rounds intermediate results, which changes the
-        // life by a relative 1e-4.
+        // The exact result is 24 826.6 h. MISUMI rounds intermediate results, which causes a
+        // relative error of 1e-4.
         assert_relative_eq!(of.time / 3600.0, 24_824.0, max_relative = 1.5e-4);
         let of = life(17_073.1, None, &[duty(1.2 * 1000.0, 2400.0 * rpm, 1.0)]).expect("turns");
         // The rating has six digits, so its error is up to 6e-6, and the error of the life is three

@@ -252,8 +252,8 @@ mod tests {
             assert_relative_eq!(35.36 / ratio, needed, max_relative = 1e-5);
         }
         assert_relative_eq!(usual_fatigue_limit(141_100.0, 0.041_75), 6413.6, max_relative = 1e-5);
-        // The fatigue load limit is half of the rating divided by 22, because the diameter is four
-        // times 100 mm.
+        // For a diameter of 400 mm, the factor √(100/400) is 1/2, so the fatigue load limit is half
+        // of 1/22 of the static load rating.
         assert_relative_eq!(usual_fatigue_limit(22.0, 0.4), 0.5, max_relative = 1e-14);
     }
 

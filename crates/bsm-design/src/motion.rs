@@ -17,8 +17,8 @@ const ROUNDING: f64 = 1e-12;
 /// Fraction of the largest speed of a phase below which friction is constant. The transition from
 /// standstill is not modeled.
 ///
-/// This fraction also applies to loads. Without a preload, friction varies linearly with the load
-/// below this fraction of the largest load of the phase.
+/// The constant also applies to loads: without a preload, friction varies linearly with the load
+/// for all loads below this fraction of the largest load of the phase.
 const CREEP: f64 = 1e-3;
 
 /// Number of Gauss nodes that represent a ramp if each friction calculation is expensive.
@@ -122,7 +122,7 @@ impl Move {
             return Err(least);
         }
         let root = ((time - least) * (time + least)).max(0.0).sqrt();
-        // v = 2 S/[t + √(t² − 2cS)], which is free of cancellation for small c (BB1)
+        // v = 2 S/[t + √(t² − 2cS)], which avoids cancellation for small c (BB1)
         Ok(Self::with_top(2.0 * distance / (time + root), time, ramps))
     }
 
@@ -621,13 +621,14 @@ fn changes_of_sign<const N: usize>(ends: [f64; 2], of: impl Fn(f64) -> [f64; N])
     found
 }
 
-/// Returns the intervals into which the breaks divide [0, 1]. Breaks outside [0, 1] are ignored.
+/// Returns the intervals into which the break points divide [0, 1]. Break points outside [0, 1] are
+/// ignored.
 fn intervals(breaks: &[f64]) -> impl Iterator<Item = [f64; 2]> + use<> {
     intervals_between([0.0, 1.0], breaks)
 }
 
-/// Returns the intervals into which the breaks divide the range between two ends. Breaks outside
-/// the range are ignored.
+/// Returns the intervals into which the break points divide the range between two ends. Break
+/// points outside the range are ignored.
 fn intervals_between(ends: [f64; 2], breaks: &[f64]) -> impl Iterator<Item = [f64; 2]> + use<> {
     let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
     let inside = breaks.iter().copied().filter(|at| low < *at && *at < high);

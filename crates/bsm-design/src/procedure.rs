@@ -314,8 +314,9 @@ impl Search<'_> {
     fn value_of(&self, design: &Design) -> Value {
         Value {
             objective: design.objective(self.requirement.objective),
-            // The search also accepts designs that violate a limit by less than its tolerance. This
-            // margin keeps accepted designs within the limits, except for rounding errors.
+            // The search also accepts designs that violate a limit by less than the search
+            // tolerance. The added reserve keeps accepted designs within the limits, except for
+            // rounding errors.
             violations: design
                 .checks
                 .iter()

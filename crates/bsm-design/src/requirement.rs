@@ -225,7 +225,7 @@ pub struct Requirement {
 
 /// Quantities of a design that may have limits, in the order of the steps of Lin's procedure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(missing_docs, reason = "the names say what the values are; SI units")]
+#[expect(missing_docs, reason = "the names state the quantities; all values are in SI units")]
 pub enum DesignQuantity {
     LeadAngle,
     BestContactAngle,
@@ -546,7 +546,8 @@ impl Design {
         Self { nut, size: None, phase, checks }
     }
 
-    /// Works like [`of`](Self::of) for a nut from the lists, and keeps its size.
+    /// Calculates the quantities of a nut from the lists, as [`of`](Self::of) does, and stores its
+    /// size.
     pub fn of_candidate(
         requirement: &Requirement,
         candidate: &Candidate,

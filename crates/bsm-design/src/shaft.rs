@@ -502,7 +502,7 @@ mod tests {
     }
 
     /// A screw fixed at both ends has four times the minimum stiffness, and this minimum occurs in
-    /// the middle. Near one end, the other end has almost no effect.
+    /// the middle. If the nut is near one end, the bearing at the other end has almost no effect.
     #[test]
     fn screw_fixed_at_both_ends_has_four_times_the_minimum_stiffness() {
         let (one, two) = (

@@ -80,7 +80,7 @@ impl Requirement {
     ) -> Vec<BindingLimit> {
         let Self { objective, .. } = *self;
         let best = chosen.objective(objective);
-        // Returns the objective if the design is better than the selected one.
+        // Returns the objective if the design is better than the selected design.
         let better = |design: &Design| {
             let number = |design: &Design| {
                 let value = (design.objective(objective), design.value(objective.quantity()));

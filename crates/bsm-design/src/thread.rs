@@ -246,8 +246,8 @@ mod tests {
         let nut = nut();
         for share in [0.0, 0.3, 1.0] {
             let Thread { nut: n, screw: s, play } = thread(&nut, share * nut.monoarc_play());
-            // In the radial direction, the arc centers are where the contact angle requires them.
-            // In the axial direction, they are offset by half of the play.
+            // The contact angle determines the radial positions of the arc centers. When the play
+            // is taken up, the arc centers move axially by half of the play.
             let along = n.offset + s.offset + 0.5 * play;
             let across = n.height + s.height;
             assert_relative_eq!(along.atan2(across), nut.contact_angle, max_relative = 1e-12);

@@ -22,7 +22,7 @@ fn load(newtons: f64, rpm: f64) -> LoadCase {
 }
 
 /// Accepts every nut, because these tests do not depend on the load distribution.
-#[expect(clippy::unnecessary_wraps, reason = "the form of a rule, which may be broken")]
+#[expect(clippy::unnecessary_wraps, reason = "the signature of a check that can fail")]
 fn accept_every_nut(_design: &Design) -> Result<(), Vec<&'static str>> {
     Ok(())
 }
@@ -77,7 +77,7 @@ fn feed_drive() -> Requirement {
 }
 
 /// Returns the efficiency from a closed formula, without solving a ball model.
-#[expect(clippy::unnecessary_wraps, reason = "the form of a model, which may have none")]
+#[expect(clippy::unnecessary_wraps, reason = "the signature of a model that may have no solution")]
 fn efficiency(nut: &Nut, _point: &PhasePoint) -> Option<f64> {
     let angles = Angles { lead: nut.lead_angle(), contact: nut.contact_angle };
     Some(angles.efficiency(Direction::RotaryToLinear, 0.05))
@@ -141,8 +141,8 @@ fn exhaustive_search(requirement: &Requirement, lead: f64) -> f64 {
 /// the optimum.
 #[test]
 fn search_is_at_least_as_good_as_an_exhaustive_search() {
-    // The largest permitted ball diameter is 0.7 times the lead. For these leads, the next smaller
-    // stock size is 0.2 to 1.3 mm smaller.
+    // The largest permitted ball diameter is 0.7 times the lead. For the leads of this test, the
+    // largest ball in stock is 0.2 to 1.3 mm smaller than this limit.
     for (objective, lead, rpm, life) in [
         (Objective::Mass, 10e-3, 1500.0, Some(3.6e7)),
         (Objective::Capacity, 10e-3, 1500.0, None),
@@ -231,8 +231,8 @@ fn screw_with_a_rating_below_the_load_is_rejected() {
     assert!(design.value(DesignQuantity::DynamicRating) > 2e3, "{design:?}");
 }
 
-/// A contact ellipse that extends beyond the land is rejected. With balls of 3.175 mm, the land is
-/// at a contact angle of 63 deg.
+/// A screw whose contact ellipse extends beyond the land is rejected. With balls of 3.175 mm, the
+/// land is at a contact angle of 63 deg.
 #[test]
 fn screw_whose_contact_ellipse_extends_beyond_the_groove_edge_is_rejected() {
     let fixed =

@@ -41,6 +41,8 @@ impl Dxf {
         self.number(40, radius);
     }
 
+    /// Adds an arc.
+    ///
     /// * `ends`: start and end angle, counterclockwise from the x axis \[deg\].
     fn arc(&mut self, layer: &str, center: (f64, f64), radius: f64, ends: [f64; 2]) {
         self.circle("ARC", layer, center, radius);

@@ -11,7 +11,9 @@ pub enum ReportError {
     #[error("picture: {0}")]
     Picture(String),
     /// The program was built without the feature that draws pictures.
-    #[error("this program was built without `plot`")]
+    #[error(
+        "this program was built without the feature `plot`; build it with this feature to draw"
+    )]
     NotBuilt,
     /// An HTML page cannot be created.
     #[error("page: {0}")]

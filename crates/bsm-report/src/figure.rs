@@ -88,7 +88,7 @@ impl Figure {
     }
 
     /// Returns the figure as SVG for an HTML page that shows the title itself and may contain
-    /// several figures. The values of a point appear when the pointer is on it; no script is
+    /// several figures. The values of a point appear when the pointer is on the point; no script is
     /// needed.
     ///
     /// # Errors
@@ -119,6 +119,8 @@ impl Figure {
         Plot::Scatter(points.with_tooltip_labels(picked().map(text)))
     }
 
+    /// Draws the curves, the axes and the legend.
+    ///
     /// * `above`: additional elements that are drawn over the curves.
     fn drawing(&self, above: Vec<Plot>, title: impl Fn(Layout, f64) -> Layout) -> Drawing {
         let mut plots = Vec::new();
@@ -174,8 +176,9 @@ impl Figure {
         drawing
     }
 
-    /// Returns markers for the colors whose lines cannot be distinguished by stroke. A drawing
-    /// needs no markers, because its curves can be distinguished by their position.
+    /// Returns markers for the colors whose lines cannot be distinguished by stroke. A figure with
+    /// equal scales on both axes is a drawing and needs no markers, because its curves can be
+    /// distinguished by their position.
     fn shapes(&self) -> Vec<(usize, MarkerShape)> {
         let lines = || self.curves.iter().filter(|curve| curve.stroke.is_line());
         let mut colors = Vec::new();
@@ -195,6 +198,8 @@ impl Figure {
         self.parts(false).or_else(|| self.parts(true))
     }
 
+    /// Returns the meaning of each stroke and each color, if the labels have two parts.
+    ///
     /// * `color_first`: true if the first part of each label determines the color.
     fn parts(&self, color_first: bool) -> Option<Parts<'_>> {
         /// Maximum number of curves for which a single legend list is easier to read than separate
@@ -478,7 +483,8 @@ mod tests {
         let svg = figure.svg().expect("a picture");
         assert_eq!(svg.matches("<rect").count() - plain, SHAPES_OF_LINE, "{svg}");
         assert_eq!(svg.matches(" v7 h-7 Z").count(), 1, "{svg}");
-        // The curves of a drawing can be distinguished by their position.
+        // With equal scales on both axes, the figure is a drawing, whose curves can be
+        // distinguished by their position.
         figure.y = PlotAxis::equal("y");
         assert_eq!(figure.shapes(), []);
     }

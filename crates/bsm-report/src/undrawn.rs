@@ -1,4 +1,5 @@
-//! Pictures in a program that was built without the feature `plot`. Each picture is an error.
+//! Drawing functions of a program that was built without the feature `plot`. Each function returns
+//! an error.
 
 use crate::{Figure, Map, ReportError};
 
@@ -7,7 +8,7 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// Always.
+    /// Always returns this error.
     pub fn svg(&self) -> Result<String, ReportError> {
         Err(ReportError::NotBuilt)
     }
@@ -16,7 +17,7 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// Always.
+    /// Always returns this error.
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         Err(ReportError::NotBuilt)
     }
@@ -25,7 +26,7 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// Always.
+    /// Always returns this error.
     pub fn inline_svg(&self) -> Result<String, ReportError> {
         Err(ReportError::NotBuilt)
     }
@@ -36,7 +37,7 @@ impl Map {
     ///
     /// # Errors
     ///
-    /// Always.
+    /// Always returns this error.
     pub fn svg(&self) -> Result<String, ReportError> {
         Err(ReportError::NotBuilt)
     }
@@ -45,7 +46,7 @@ impl Map {
     ///
     /// # Errors
     ///
-    /// Always.
+    /// Always returns this error.
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         Err(ReportError::NotBuilt)
     }

@@ -7,8 +7,8 @@ from pathlib import Path
 from conftest import FLAGS, Server, Sheet, example
 from playwright.sync_api import sync_playwright
 
-# Name, case, window width and height, color scheme, and panel. If the panel is None, the picture
-# shows the whole window.
+# Each picture has a name, a case, the width and height of the window, a color scheme and a panel.
+# If the panel is None, the picture shows the whole window.
 PICTURES = [
     ("view", "feed_drive", 1280, 860, "light", None),
     ("view-ellipses", "feed_drive", 1280, 860, "light", "ellipses"),

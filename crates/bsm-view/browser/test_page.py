@@ -1,4 +1,4 @@
-"""Tests of the page in a browser. The numbers match the command line, and the controls work."""
+"""Test the page in a browser: its numbers match the command line, and its controls work."""
 
 import csv
 import io
@@ -17,7 +17,7 @@ from conftest import BSM, MEASURED, ROOT, bsm, example, settled, solved
 
 FEED = example("feed_drive")
 
-# Folder for pictures of saved pages. By default none are written.
+# Folder for pictures of saved pages. By default, no pictures are written.
 SCREENSHOTS = os.environ.get("SCREENSHOTS")
 
 
@@ -54,7 +54,7 @@ def test_the_page_loads_without_errors_or_foreign_requests(serve, sheet, name):
     page = sheet.open(served.address)
     host = served.address.split("/?")[0]
     assert all(url.startswith((host, "data:")) for url in sheet.requests), sheet.requests
-    # The server rejects requests for which the case lacks inputs, and the browser logs this.
+    # The server rejects requests for which the case lacks inputs, and the browser logs each rejection.
     refused = "the server responded with a status of 400"
     assert [error for error in sheet.errors if refused not in error] == []
     shown = solved(example(name))
@@ -72,16 +72,15 @@ def test_numbers_after_a_slider_move_match_command_solve(serve, sheet):
     expected = table_of(FEED, "--set", f"axial_load_N={load}")
     assert load != 8000 and key(page, "ball_torque_Nm") != before
     assert key(page, "ball_torque_Nm") == expected["torque of the balls"]
-    # All numbers of the page agree, row by row.
+    # All numbers of the page match the numbers of the command, row by row.
     rows = page.locator("#numbers table").first.locator("tbody tr").all()
     found = {row.locator("th").inner_text(): row.locator("td").last.inner_text() for row in rows}
     assert len(found) > 10
     assert found == {label: expected[label] for label in found}
 
 
-# Script that moves a slider `count` times, each time `pause` [ms] after the previous numbers are
-# shown. The script returns the times [ms] until the numbers and until the pictures are shown, and
-# the time of the server.
+# Script that moves a slider `count` times, each time `pause` [ms] after the previous numbers are shown.
+# The script returns the times [ms] until the numbers and the pictures are shown, and the time of the server.
 STEPS = """async ([name, count, pause]) => {
   const slider = document.querySelector(`[data-name=${name}] input[type=range]`), key = document.querySelector("#key");
   const steps = [], wait = (ms) => new Promise((then) => setTimeout(then, ms)), frame = () => new Promise((then) => requestAnimationFrame(() => setTimeout(then)));
@@ -109,8 +108,8 @@ def test_numbers_appear_within_100_ms_of_a_slider_move(serve, sheet, name, model
         sheet.again(lambda: page.select_option("#model", model))
     numbers, pictures, server = map(median, page.evaluate(STEPS, ["axial_load_N", 15, 20]))
     MEASURED.append(f"{name}, {model}: numbers appear {numbers:.0f} ms after a slider move ({server:.1f} ms in the server), pictures after {pictures:.0f} ms")
-    # The requirement is 50 ms. A shared machine takes up to twice as long. The time was 350 ms when
-    # 3D frames and outdated maps had priority.
+    # The requirement is 50 ms, and a shared machine takes up to twice as long.
+    # Regression test: the time was 350 ms when 3D frames and outdated maps had priority.
     assert numbers < 100, numbers
 
 
@@ -121,7 +120,7 @@ def test_numbers_are_updated_at_least_ten_times_per_second_while_a_slider_moves(
     drag = "async () => { const slider = document.querySelector('[data-name=axial_load_N] input[type=range]'); for (let i = 0; i < 60; i += 1) { slider.value = 300 + 5 * i; slider.dispatchEvent(new Event('input', { bubbles: true })); await new Promise((then) => setTimeout(then, 16)); } }"
     sheet.again(lambda: page.evaluate(drag))
     # The slider moves for one second, and a shared machine draws at least ten frames per second.
-    # The page made 5 updates when it showed numbers only after the slider had stopped.
+    # Regression test: there were only 5 updates when the page showed numbers after the slider had stopped.
     assert page.evaluate("window.updates") >= 10
     load = case_of(page)["axial_load_N"]
     assert key(page, "ball_torque_Nm") == table_of(FEED, "--set", f"axial_load_N={load}")["torque of the balls"]
@@ -138,8 +137,7 @@ def test_a_map_of_3600_points_takes_less_than_a_second(serve, sheet):
         answer = page.request.post(host + "/sweep", headers={"X-Bsm-Token": token}, data=body)
         took = float(answer.headers["server-timing"].split("dur=")[1])
         MEASURED.append(f"{name}: the server solves a map of 60 x 60 points with traction in {took:.0f} ms")
-        # With a lubricant, films and temperatures are also calculated, which may take longer than
-        # the time limit of the server.
+        # With a lubricant, films and temperatures are also calculated, which may exceed the time limit of the server.
         assert name != "feed_drive" or (answer.status == 200 and took < 1000), took
 
 
@@ -174,7 +172,7 @@ def test_a_decimal_comma_is_accepted(serve, sheet):
     assert case_of(page)["friction_coefficient"] == 0.07
     sheet.again(lambda: fill(sheet, "ball_diameter_mm", "6,5"))
     assert case_of(page)["ball_diameter_mm"] == 6.5
-    # The text could mean thousands or thousandths, so it is rejected.
+    # A text that is not a number, or that could mean thousands or thousandths, is rejected.
     for text in ["1,500", "1.500,5", "1 5", "x"]:
         fill(sheet, "axial_load_N", text)
         page.locator("[data-name=axial_load_N] .wrong").wait_for(state="visible")
@@ -254,7 +252,7 @@ def saved(sheet, panel: str) -> dict[str, bytes]:
         with page.expect_download() as download:
             button.click()
         files[download.value.suggested_filename] = download.value.path().read_bytes()
-        # Chromium ignores downloads of a page beyond ten in one second.
+        # Chromium ignores further downloads if a page starts ten downloads within one second.
         page.wait_for_timeout(110)
     return files
 
@@ -265,8 +263,7 @@ def test_figures_and_tables_can_be_saved(serve, sheet):
     for panel in ["key", "space", "section", "ellipses", "losses", "map", "models", "nut", "numbers"]:
         for name, data in saved(sheet, panel).items():
             if name.endswith(".svg"):
-                # The file has no style sheet, so it must contain no CSS variable and must state its
-                # own size.
+                # The file has no style sheet, so it must not contain CSS variables and must state its own size.
                 drawing = ElementTree.fromstring(data)
                 assert drawing.tag.endswith("svg") and float(drawing.get("width")) > 100, name
             elif name.endswith(".png"):
@@ -350,7 +347,7 @@ def test_model_comparison_from_catalog_data_shows_intervals(serve, sheet, tmp_pa
     page = sheet.open(serve(line).address)
     row = page.locator("#models tbody tr", has_text="raceway-control").first
     cells = row.locator("td.number").all_inner_texts()
-    # Efficiency and torque depend on the estimated groove. The time of a solve does not.
+    # Efficiency and torque depend on the estimated groove, but the time of a solve does not.
     assert all(re.fullmatch(r"[\d.]+ \([\d.]+ to [\d.]+\)", cell) for cell in cells[:2]), cells
     assert re.fullmatch(r"[\d.]+", cells[-1]), cells
     assert sheet.errors == []
@@ -408,8 +405,8 @@ def test_axis_panel_shows_all_rules_and_saves_the_axis_sheet(serve, sheet, tmp_p
     assert opened.value.locator("h1").count() == 1 and opened.value.locator("figure svg").count() > 0
     # The screw rotates, because its speed follows from the feed rate.
     assert re.search(r"Motion slowed [\d.]+ times", page.inner_text("#space"))
-    # The picture is in 3D. A misspelled name of the library once caused the fallback drawing for
-    # browsers without WebGL.
+    # The picture must be in 3D, and not the drawing for browsers without WebGL.
+    # Regression test: the page showed this drawing because a name of the 3D library was misspelled.
     assert page.locator("#space canvas").count() == 1
     assert sheet.errors == []
 
@@ -492,11 +489,11 @@ def test_balls_that_touch_are_marked_in_the_diagrams_of_the_nut(serve, sheet, tm
     assert figure.locator(".moving").count() == sum(pushed) > 40
     # Touching balls are marked in the diagrams of speed, force and advance.
     assert figure.locator(".touch").count() == 3 * sum(pushed)
-    # The style sheet of pictures fills rectangles with the background color.
+    # The style sheet of pictures must not replace this color by the background color.
     assert figure.locator(".touch").first.evaluate("(mark) => getComputedStyle(mark).fill") == "rgb(138, 97, 0)"
     assert figure.locator(".push").count() == sum(ball["front_push_N"] > 0 for ball in balls)
-    # The scale of the speed axis is determined from the marks of two free balls. On this scale, all
-    # other marks and the line of the ball train must be at the calculated speeds.
+    # The marks of two free balls determine the scale of the speed axis.
+    # On this scale, all other marks and the line of the ball train must be at the calculated speeds.
     heights = [float(mark.get_attribute("cy")) for mark in figure.locator(".free").all()]
     slow, fast = (pick(range(98), key=lambda i: balls[i]["free_rate"]) for pick in (min, max))
     scale = (heights[fast] - heights[slow]) / (balls[fast]["free_rate"] - balls[slow]["free_rate"])
@@ -544,18 +541,18 @@ def expect_accessible(page, width: int) -> None:
         fold.evaluate("(fold) => { fold.open = true; }")
     found = Axe().run(page).response["violations"]
     assert [(v["id"], [n["html"][:120] for n in v["nodes"]][:3]) for v in found] == []
-    # Nothing is wider than the screen.
+    # No element may be wider than the screen.
     assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
-# Numbers that are rounding errors, differences of nearly equal numbers, or spins that can vanish. They are compared with one.
+# Numbers that are rounding errors, differences of nearly equal numbers, or spins that can vanish. Their tolerance is at least 1e-12.
 DIFFERENCES = {"power_balance", "residual_norm", "advance_spread", "efficiency_error_bound", "loss_error_bound", "nut_spin_rad_s", "screw_spin_rad_s"}
 
 
 def differences(one: object, other: object, name: str = "") -> list[str]:
-    """List the values of `other` that `one` lacks or that differ by more than a relative 1e-12."""
+    """List the values of `other` that differ from the values of `one` by more than a relative 1e-12."""
     if isinstance(other, dict):
-        # Times differ in every run.
+        # Computing times differ from run to run, so they are not compared.
         names = [name for name in other if name != "time_us"]
         return [text for name in names for text in differences(one[name], other[name], name)]
     if isinstance(other, list) and not all(isinstance(value, float | int) for value in other):
@@ -585,7 +582,7 @@ MODELS = ["auto", "closed-form", "quasi-static", "rigid", "raceway-control", "el
 @pytest.mark.parametrize("name", CASES)
 def test_a_saved_page_shows_the_same_numbers_as_the_program(save_page, sheet, name):
     case = example(name)
-    # The page of one case can solve every case.
+    # A page that was saved for one case can solve every case.
     page = sheet(offline=True).page
     page.goto(save_page(FEED))
     entries = json.loads(case.read_text())
@@ -595,11 +592,10 @@ def test_a_saved_page_shows_the_same_numbers_as_the_program(save_page, sheet, na
         program = subprocess.run(command, capture_output=True, text=True, check=False)
         found = page.evaluate(ASK, [route, {"case": entries} | body])[0]
         if program.returncode in (0, 3):
-            # The page uses the mathematical functions of another library than the program, and
-            # operations that are not fused.
+            # The page uses other implementations of mathematical functions than the program, and no fused operations.
             assert differences(found, json.loads(program.stdout)) == [], (route, options)
         else:
-            # The case lacks an input, which the page says in the same words.
+            # The case lacks an input, and the page reports this with the message of the program.
             assert isinstance(found, str) and found in program.stderr, (route, options)
 
 
@@ -625,7 +621,7 @@ def test_a_saved_page_calculates_without_a_server(save_page, sheet):
     assert sheet.errors == []
 
 
-# Two cases with everything that only some cases show: estimated grooves and undecided rules in inch units, and third contacts.
+# Two cases with results that only some cases have: estimated grooves and undecided rules in inch units, and third contacts.
 SPECIAL = {
     "catalog line": {"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 51300, "rated_static_load_N": 144400, "axial_load_N": 100000, "screw_speed_rpm": 100, "stroke_mm": 500, "friction_coefficient": 0.08, "display_units": "inch"},
     "third contact": json.loads(example("nut_double").read_text()) | {"axial_play_um": 5, "stroke_mm": 500},
@@ -675,7 +671,7 @@ def test_a_saved_page_shows_numbers_within_100_ms_of_a_slider_move(save_page, sh
             f"saved page, {name}, {model}: numbers appear {median(numbers):.0f} ms after a slider move, pictures after {median(pictures):.0f} ms; "
             + ", ".join(f"{route} {time:.0f} ms" for route, time in times.items())
         )
-        # The same limit as for the page of the server. The films of a lubricant take longer in WebAssembly.
+        # The limit is the same as for the page of the server. Lubricant films take longer in WebAssembly.
         assert name == "feed_drive_oil" or median(numbers) < 100, numbers
 
 
@@ -697,7 +693,7 @@ def test_a_saved_page_stops_calculations_that_are_no_longer_needed(save_page, sh
       return [first, performance.now() - began, (await ask("point", { case: entries, settings: {} }, 0)).solve.status];
     }"""
     name, took, status = page.evaluate(stopped, case_of(page))
-    # The map of 40,000 points takes seconds.
+    # A map of 40,000 points takes several seconds, so a short time shows that the calculation was stopped.
     assert (name, status) == ("AbortError", "converged") and took < 1000, took
 
 
@@ -774,7 +770,7 @@ def test_axis_sheet_is_printed_on_two_pages(sheet, tmp_path, name):
     page.goto(written.as_uri())
     printed = page.pdf(format="A4")
     assert len(re.findall(rb"/Type\s*/Page\b", printed)) == 2
-    # Nothing is wider than A4 between its margins, 188 mm at 96 dots per inch.
+    # No element may be wider than A4 between its margins, which is 188 mm at 96 dots per inch.
     page.set_viewport_size({"width": 711, "height": 1040})
     page.emulate_media(media="print")
     assert page.evaluate("document.documentElement.scrollWidth") <= 711

@@ -64,7 +64,7 @@ async function follow() {
   }
   await drawn;
   running = false;
-  // If the case has changed while the last picture was drawn, a new round starts.
+  // If the case changed while the last picture was being drawn, a new round starts.
   if (asked !== turn) void follow(); else slow = setTimeout(() => void rest(), 120);
 }
 

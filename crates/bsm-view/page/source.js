@@ -12,7 +12,7 @@ export class Refused extends Error {}
 
 /** The server no longer answers. */
 export class Gone extends Error {
-  constructor() { super("The server has ended. Start `bsm view` again and open its new address. This page keeps its last numbers."); }
+  constructor() { super("The server has ended. Start `bsm view` again and open its new address. This page still shows its last numbers."); }
 }
 
 /** Random id with which this page identifies itself to the server. */

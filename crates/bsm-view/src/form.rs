@@ -42,8 +42,8 @@ pub(crate) fn schema() -> Value {
         let words = whole.rsplit_once(", ").map_or(&*whole, |(words, _)| words);
         json!({ "name": output.name, "label": words, "unit": output.unit, "about": output.about })
     });
-    // For each unit system, the display units that differ from the metric units, with text,
-    // conversion factor and offset of the zero point.
+    // For each unit system, the list contains the display units that differ from the metric units,
+    // each with its text, its conversion factor and the offset of its zero point.
     let display = DisplayUnits::NAMES.iter().map(|(name, units)| {
         let unit = |(own, shown): (&str, DisplayUnit)| {
             let UnitChange { factor, zero } = shown.change();

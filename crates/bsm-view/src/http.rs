@@ -61,7 +61,8 @@ impl<'a> Connection<'a> {
                 }
                 Ok(httparse::Status::Partial) if bytes.len() < MAX_HEAD => {}
                 Ok(httparse::Status::Partial) | Err(httparse::Error::TooManyHeaders) => {
-                    return Err((431, "the head of the request is too large".to_owned()));
+                    let error = "the request has too many headers, or its headers are too long";
+                    return Err((431, error.to_owned()));
                 }
                 Err(error) => return Err((400, format!("cannot read the request: {error}"))),
             }

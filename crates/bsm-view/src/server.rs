@@ -295,7 +295,8 @@ impl ServerState {
             return Err(Refusal::Input(text.to_owned()));
         };
         let Request { case, settings, .. } = Request::read(body)?;
-        // Only a case that can be opened again is saved.
+        // A case is saved only if the program accepts its inputs, so that the saved file can be
+        // opened again.
         case.with_groove()?.problem(&settings)?;
         let text = serde_json::to_string_pretty(&case.to_json()).unwrap_or_default() + "\n";
         save(&text).map_err(Refusal::Input)?;

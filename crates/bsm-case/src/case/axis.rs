@@ -122,7 +122,7 @@ fn check_bore(case: &Case, core: f64, ball: f64) -> Result<(), CaseError> {
     }
 }
 
-/// Rejects an axis with load ratings on whose screw no load acts.
+/// Rejects a case in which no load acts on the screw.
 fn check_loaded(case: &Case, phases: &[Phase], carriage: &MachineTable) -> Result<(), CaseError> {
     let is_loaded = phases.iter().flat_map(|phase| phase.load).any(|load| load != 0.0);
     if is_loaded || carriage.is_loaded() || case.is_preloaded() {
@@ -185,14 +185,14 @@ impl Machine {
     /// Calculates the axis of a case. The preload is not included, because it is determined by the
     /// nut.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
-        // The process force may be zero or act in the direction of the feed, so the rule for this
-        // input is not checked.
+        // The process force may be zero or act in the direction of the feed, so the rule that
+        // `axial_load_N` must be positive is not checked.
         case.check_but(case.speeds_at_rest().and(AXIAL_LOAD))?;
         let driven = driven_part(case)?;
         let (groove, RatedScrew { screw: size, body, mut assumed }, warning) = screw_and_nut(case)?;
         let calculated = groove.as_ref().map(|(nut, _)| nut);
         // The ratings of an estimated groove contain no information beyond the catalog ratings from
-        // which it was estimated.
+        // which the groove was estimated.
         let known = calculated.filter(|_| !case.has_estimated_groove());
         let dynamic = || known.map(|nut| nut.dynamic_rating().rating);
         let rated = || known.map(|nut| nut.static_rating().rating);
@@ -223,7 +223,7 @@ impl Machine {
             (mass, stated.unwrap_or(own))
         });
         let screw = screw.filter(|(mass, _)| !mass.is_nan());
-        // The mass is calculated in the same way as with the ratings.
+        // The mass of the nut follows from its groove, even if the groove is estimated.
         let own_mass = || -> Option<f64> {
             let (nut, thread) = groove.as_ref()?;
             Some(rated_nut::body(case, nut, thread).ok()?.mass(nut, thread))
@@ -246,7 +246,7 @@ impl Machine {
         let is_finite =
             |(time, travel): (f64, CycleTravel)| time.is_finite() && travel.way.is_finite();
         if !cycle.is_none_or(is_finite) {
-            return Err(bad("cycle", "has a travel that is not finite"));
+            return Err(bad("cycle", "has a travel that is too large; give shorter times"));
         }
         let phases = phases(&motion.segments, &carriage, size.lead);
         let is_rated = groove.is_some() || ratings.iter().any(|rating| !rating.is_nan());
@@ -343,8 +343,8 @@ impl Machine {
         self.nut_inertia.or(self.screw.map(|(_, inertia)| inertia)).is_some()
     }
 
-    /// Returns the life under the cycle. The result is also `None` if the stroke is shorter than
-    /// half a turn, because the groove then fails by false brinelling.
+    /// Returns the life under the cycle, or `None` if the life is unknown. Returns `None` also for
+    /// a stroke of less than half a turn, because the groove then fails by false brinelling.
     pub(crate) fn life(&self) -> Option<Life> {
         let turns = self.stroke.map(|stroke| stroke / self.axis.screw.lead);
         self.axis.life().filter(|_| turns.is_none_or(|turns| turns >= MIN_STROKE_TURNS))
@@ -366,7 +366,7 @@ pub(crate) fn carriage(case: &Case) -> Result<MachineTable, CaseError> {
     // The comparison allows for load shares that are rounded to two or three digits.
     if share < 0.99 * equal {
         let what = format!(
-            "is {share}, but the most loaded of the screws carries at least 1 / screws_count = {}",
+            "is {share}, but the most heavily loaded screw carries at least 1 / screws_count = {}",
             trimmed(equal)
         );
         return Err(bad("load_share", what));
@@ -548,7 +548,8 @@ pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> 
     }
 }
 
-/// Returns the required life. A case may state it in different units.
+/// Returns the required life, which a case may state as a time, a travel, or a number of
+/// revolutions, cycles or strokes.
 ///
 /// * `cycle`: duration of the cycle \[s\].
 /// * `stroke`: stroke \[m\].
@@ -556,8 +557,8 @@ pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> 
 /// # Errors
 ///
 /// Returns [`CaseError`] in three cases: the life is given in cycles, but the cycle has no
-/// durations; it is given in strokes, but the stroke is unknown; or it is given in years, but the
-/// hours or days of operation are missing.
+/// durations; the life is given in strokes, but the stroke is unknown; or the life is given in
+/// years, but the hours or days of operation are missing.
 pub(crate) fn required_life(
     case: &Case,
     cycle: Option<f64>,
@@ -623,7 +624,7 @@ fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseErro
         continuous: row.continuous_torque_Nm,
     });
     let curve = MotorCurve::new(points.collect())
-        .ok_or_else(|| bad(NAME, "needs rows in the order of increasing speed_rpm"))?;
+        .ok_or_else(|| bad(NAME, "needs rows in order of increasing speed_rpm"))?;
     if fastest > curve.fastest() * (1.0 + 1e-12) {
         let what = format!(
             "ends at {} rpm, but the motor turns at {} rpm",

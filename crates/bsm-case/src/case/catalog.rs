@@ -38,8 +38,8 @@ pub struct Catalog {
 }
 
 keys! {
-    /// Keys of the lists and limits. A list can be the standard list, another list or a range; a
-    /// limit is a number.
+    /// Keys of the lists and limits of a catalog. The value of a key is a list of numbers, a range
+    /// of two numbers, or a single number.
     pub LISTS;
     nominal_diameter_mm ["mm" "d_0"] Within(MIN_LENGTH_MM, 1e4), None, "nominal diameters";
     lead_mm ["mm" "P_h"] Within(MIN_LENGTH_MM, 1e4), None, "leads";
@@ -149,7 +149,8 @@ impl Catalog {
         self.lists.indices(&self.limits)
     }
 
-    /// Calls `each` with the nut for each index and collects the results in the same order.
+    /// Calls `each` with every nut in `indices` and returns the results that are not `None`, in the
+    /// same order.
     pub fn map<R: Send>(
         &self,
         indices: &[u32],

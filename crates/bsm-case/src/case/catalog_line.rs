@@ -36,8 +36,8 @@ const READ: InputSet = {
 };
 
 impl InputSet {
-    /// Returns this set of inputs. If the set contains diameter, lead and dynamic load rating, the
-    /// result also contains the inputs of the groove that is estimated from these inputs.
+    /// Returns this set of inputs and, if the set contains diameter, lead and dynamic load rating,
+    /// the inputs of the groove that the program estimates from them.
     #[must_use]
     pub fn with_groove(self) -> Self {
         let has_lead = self.meets(inputs! { lead_mm lead_angle_deg });
@@ -114,8 +114,8 @@ impl Case {
             key.input().rule.check(key.name(), self[key].unwrap_or(f64::NAN))?;
         }
         if self.number(InputKey::starts) > 1.0 {
-            let what = "The groove is not given in full, and load ratings only suffice to estimate the groove of a screw with one \
-                        start. Give the groove.";
+            let what = "The groove is not given in full, and it can be estimated from load ratings only if the screw has one \
+                        start. Give all inputs of the groove.";
             return Err(CaseError::NoGroove(what.to_owned()));
         }
         match line.estimate() {

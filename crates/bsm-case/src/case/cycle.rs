@@ -13,8 +13,9 @@ use crate::{Case, CaseError, InputKey, InputSet, PhaseEntry};
 /// errors of the inputs.
 const SHARE_ROUNDING: f64 = 0.01;
 
-/// Upper limit of the ratio of the speeds at the two ends of a ramp up to which the slower end is
-/// treated as standstill. Times and accelerations are usually given with only two or three digits.
+/// Largest ratio of the slower to the faster speed at the ends of a ramp for which the slower end
+/// is treated as standstill. Times and accelerations are usually given with only two or three
+/// digits.
 const STANDSTILL: f64 = 0.01;
 
 /// The duty cycle of an axis, or its single operating point.
@@ -81,7 +82,7 @@ impl Cycle {
         }
         let sum: f64 = segments.iter().map(|segment| segment.time).sum();
         if !sum.is_finite() {
-            return Err(bad("cycle", "has times whose sum is not finite"));
+            return Err(bad("cycle", "has times whose sum is too large; give shorter times"));
         }
         let rest = |time: f64| {
             let still = ProfileSegment::constant(time, DutySpeed::REST, rest_force);
@@ -113,7 +114,8 @@ impl Cycle {
             return Ok(Self { segments, time: Some(sum), rest_force, notes });
         };
         let time = 3600.0 / cycles;
-        // The cycle may exceed the available time by one millionth, because the inputs are rounded.
+        // The duration of the cycle may exceed the available time by one millionth, because the
+        // inputs are rounded.
         if time < sum * (1.0 - 1e-6) {
             let what = format!(
                 "is {}, but the cycle takes {} s, so at most {} cycles per hour are possible",

@@ -15,7 +15,7 @@ use crate::vocabulary::rules::Relation;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseEntries, CaseError, InputKey, InputSet, entries};
 
-/// Key of the description of a case.
+/// Key under which a case file contains its description.
 const DESCRIPTION: &str = "description";
 
 impl Case {
@@ -246,11 +246,11 @@ impl Case {
 
 impl Case {
     /// Returns a warning if the mass or the moment of inertia per length of the screw exceeds the
-    /// value of a solid steel rod with its outer diameter.
+    /// value of a solid steel rod with the outer diameter of the screw.
     fn too_heavy(&self) -> Option<String> {
-        /// Permitted ratio to the value of a rod with the nominal diameter. Outer diameters exceed
-        /// nominal diameters by up to 2 %, and the moment of inertia increases with the fourth
-        /// power of the diameter.
+        /// Permitted ratio of the given value to the value of a rod with the nominal diameter.
+        /// Outer diameters exceed nominal diameters by up to 2 %, and the moment of inertia
+        /// increases with the fourth power of the diameter.
         const SLACK: f64 = 1.08;
         let outer_mm = self.screw_outer_diameter_mm.or(self.nominal_diameter_mm)?;
         let mass = rod_mass_per_length(outer_mm * MM);
@@ -285,8 +285,8 @@ pub(crate) fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
     entry().or_else(|| Some(InputKey::known_in_unit(key)?.0.name()))
 }
 
-/// Inputs that no ball model uses, and the names of the results that take these inputs into
-/// account.
+/// Sets of inputs that no ball model uses, each with a clause that names the results that depend on
+/// these inputs.
 const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
     let of_an_axis = inputs! { moved_mass_kg seal_torque_Nm support_bearing_torque_Nm };
     [
@@ -312,7 +312,7 @@ impl InputSet {
     }
 }
 
-/// Inputs whose values a warm state calculates for the nut.
+/// Inputs of the nut whose values follow from the warm steady state.
 const WARM: [InputKey; 4] = {
     let [nut, screw, balls] = RISES;
     [nut, screw, balls, InputKey::screw_tension_N]
@@ -326,7 +326,8 @@ pub(crate) const RISES: [InputKey; 3] = [
 ];
 
 impl Case {
-    /// Returns a warning if a moving mass is given, but the axial load does not include its forces.
+    /// Returns a warning if a moving mass and an axial load are given, because the axial load then
+    /// does not include the forces of the mass.
     pub(crate) fn load_of_the_mass(&self) -> Option<String> {
         let mass = self.moved_mass_kg.filter(|mass| *mass != 0.0)?;
         self.axial_load_N.map(|_| {

@@ -113,7 +113,8 @@ pub(crate) struct SettingsJson {
     tolerance: f64,
     /// Accuracy of the friction of model `traction`.
     accuracy: f64,
-    /// Creep speed that smooths the friction law of model `traction` / speed of the ball.
+    /// Creep speed that smooths the friction law of model `traction`, divided by the speed of the
+    /// ball.
     creep: f64,
     /// Controlling raceway of model `raceway-control`.
     control: Option<&'static str>,
@@ -322,7 +323,7 @@ impl Needs {
 
     /// Returns the missing inputs as text. If fewer inputs are missing for a catalog line than for
     /// the groove itself, the inputs of the catalog line are returned, because the groove can be
-    /// estimated from it. The inputs of the groove are then named as an alternative.
+    /// estimated from a catalog line. The inputs of the groove are then named as an alternative.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let given = given.completed();
         let of_groove = lacking(self.all, self.quantities.iter(), given);

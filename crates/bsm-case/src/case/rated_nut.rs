@@ -145,8 +145,9 @@ pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, C
 /// Returns [`CaseError::Invalid`] if the ratings differ by more than a factor of 2, unless
 /// `keep_ratings` is true.
 pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseError> {
-    /// Ranges of the ratio of calculated to stated rating in which no note is given, because the
-    /// formulas of different manufacturers differ by this much.
+    /// Ranges of the ratio of calculated to stated rating, for the dynamic and the static rating.
+    /// Within these ranges, no note is given, because the formulas of different manufacturers
+    /// differ by this much.
     const USUAL: [(f64, f64); 2] = [(0.85, 1.18), (0.80, 1.25)];
     /// Range of the ratio of calculated to stated rating outside which the ratings are assumed to
     /// belong to another nut.

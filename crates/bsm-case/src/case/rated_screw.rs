@@ -13,7 +13,8 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Inputs for the catalog ratings. Results for an axis need at least one of them.
+/// Inputs for the load ratings in a catalog. Results for an axis need at least one of these
+/// ratings.
 const RATINGS: InputSet = inputs! { rated_dynamic_load_N rated_static_load_N };
 
 /// Results that are omitted from the axis sheet if only catalog data of the screw are given.

@@ -299,7 +299,8 @@ pub(crate) fn in_grooves<D: Scalar>(
         let ball = LubricatedBall { lubricant, model };
         return match fit {
             Some(fit) => {
-                // `at` already contains the contact angle that results from the radial gap.
+                // `at` already has the contact angle that results from the radial gap, so the gap
+                // of the fit is 0.
                 let fit = ArchFit { radial_gap: D::from(0.0), ..fit };
                 Problem::LubricatedArch(LubricatedArch { ball, fit, far_friction })
             }

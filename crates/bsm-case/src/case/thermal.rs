@@ -18,6 +18,8 @@ const AIR: f64 = 20.0;
 /// Typical torques of the seals and of all support bearings of a screw with [`USUAL_DIAMETER`]
 /// \[N·m\]. For other screws, the torques are proportional to the square of the diameter.
 const USUAL_TORQUES: (f64, f64) = (0.2, 0.3);
+
+/// Screw diameter to which [`USUAL_TORQUES`] apply \[m\].
 const USUAL_DIAMETER: f64 = 0.040;
 
 /// Returns the temperature at which the preload is set \[K\].

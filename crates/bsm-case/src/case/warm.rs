@@ -20,7 +20,7 @@ use crate::{Case, CaseError, InputKey, InputSet, ModelChoice, Settings};
 pub(crate) use axis::ColdNut;
 use axis::WarmAxis;
 
-/// Warm steady state that a case requests, and the fold of the branch of states.
+/// Warm steady state that a case requests, and the fold at which the branch of steady states ends.
 #[derive(Debug)]
 pub(crate) struct Warm {
     /// Steady state; `None` in case of thermal runaway.
@@ -48,7 +48,7 @@ pub(crate) struct Detail {
 }
 
 impl Detail {
-    /// Selects the results that decide whether an axis is suitable.
+    /// Results that are needed to decide whether an axis is suitable.
     pub(crate) const JUDGED: Self = Self { fold: true, band: false, texts: true };
 }
 
@@ -95,10 +95,12 @@ pub(crate) struct NutInPhase {
 impl Warm {
     /// Calculates the warm state, if the case requests it.
     ///
-    /// For a lubricated nut, `auto` chooses model traction. Under very light loads, the balls skid, and model traction may have no
-    /// solution. The warm state is then calculated with raceway control, whose friction is limited by gross sliding (U33).
+    /// For a lubricated nut, `auto` chooses model traction. Under very light loads, the balls skid,
+    /// and model traction may have no solution. The warm state is then calculated with raceway
+    /// control, whose friction is limited by gross sliding (U33).
     ///
-    /// * `of_band`: function that returns the results of a state that have an uncertainty band.
+    /// * `of_band`: function that returns those results of a state for which an uncertainty band is
+    ///   calculated.
     pub(crate) fn of(
         case: &Case,
         settings: &Settings,

@@ -123,8 +123,8 @@ pub struct Criterion {
     pub band: Option<Band>,
     /// 90 % interval of the margin, if the margin depends on an estimated groove.
     pub margins: Option<Band>,
-    /// Margin of the rule without a default that the user has not confirmed, such as the assumption
-    /// that the load is guided.
+    /// Margin of the rule if a default that the user has not confirmed does not apply. An example
+    /// of such a default is the assumption that the load is guided.
     pub margin_without_default: Option<f64>,
 }
 
@@ -175,7 +175,7 @@ impl Criterion {
         }
     }
 
-    /// Returns the limits of the number.
+    /// Returns the limit of the rule as a lower or an upper bound.
     pub(crate) fn bounds(&self) -> Bounds {
         if self.at_least { Bounds::at_least(self.limit) } else { Bounds::at_most(self.limit) }
     }

@@ -223,7 +223,7 @@ pub(crate) fn in_unit<'a>(
     known: impl IntoIterator<Item = &'a str>,
 ) -> Option<(&'a str, DisplayUnit)> {
     let (own, change, text) = convert_with_text(name, known)?;
-    // The name already ends with the suffix of its own unit, so the unit does not change.
+    // The name already ends with the suffix of the displayed unit, so no suffix is replaced.
     Some((own, DisplayUnit { text, other: Some(("", "", change)) }))
 }
 

@@ -114,13 +114,13 @@ entries! {
     steel: Named<SteelFactor>,
         "melting process of the raceway steel, for the dynamic load rating; defaults to air-melted";
     contamination: Named<Contamination>,
-        "cleanliness of the lubricant according to ISO 281, for the modified life: high, sealed and greased for life; normal, with wipers and bellows; typical, without wipers; severe, open and among chips";
+        "cleanliness of the lubricant according to ISO 281, for the modified life: high (sealed and greased for life), normal (with wipers and bellows), typical (without wipers), or severe (open and exposed to chips)";
     kappa_by: Named<KappaBy>,
         "basis of the viscosity ratio of the modified life: film (the film thickness ratio, if groove and roughness are known) or viscosity; defaults to film";
     rating_basis: Named<RatingBasis>,
         "travel for which rated_dynamic_load_N is stated: revolutions (one million revolutions, ISO 3408-5), 100 km, or million inches (one million inches). Defaults to revolutions";
     motor_curve: Vec<MotorCurveRow>,
-        "torque-speed curve of the motor, which replaces motor_peak_torque_Nm and motor_rated_torque_Nm: rows of speed_rpm, peak_torque_Nm and continuous_torque_Nm, linear between the rows";
+        "torque-speed curve of the motor, which replaces motor_peak_torque_Nm and motor_rated_torque_Nm: rows of speed_rpm, peak_torque_Nm and continuous_torque_Nm. Between the rows, the torques are interpolated linearly";
     keep_ratings: bool,
         "true: rated_dynamic_load_N and rated_static_load_N are accepted although they differ from the ratings of the groove by more than a factor of 2";
     estimate_groove: bool,
@@ -390,7 +390,7 @@ schemas! {
     [<T: Choice>] Named<T> = { "type": "string", "enum": names(T::NAMES) };
     [] InputName = { "type": "string", "enum": INPUTS.iter().map(|input| input.name).collect::<Vec<_>>() };
     [] ClassName = { "type": "string", "enum": names(&PRELOAD_CLASSES) };
-    // Names of accuracy grades, and numbers that are short for P grades.
+    // The values are the names of accuracy grades, and numbers that stand for P grades.
     [] GradeName = {
         "type": ["string", "integer"],
         "enum": Grade::all().map(|grade| json!(grade.name)).chain(NUMBERS.map(Value::from)).collect::<Vec<_>>(),

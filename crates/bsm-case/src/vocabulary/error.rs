@@ -34,7 +34,7 @@ pub enum CaseError {
     Unknown {
         /// Kind of the unknown name.
         known: Known,
-        /// Name that is not known.
+        /// The unknown name.
         name: String,
         /// Known name that is most similar to the unknown name.
         nearest: Option<String>,

@@ -131,7 +131,7 @@ macro_rules! inputs {
 
         /// Key of an input, which is its index in [`INPUTS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
+        #[expect(non_camel_case_types, reason = "the variants have the names of the vocabulary")]
         pub enum InputKey {
             $($(#[doc = $about] $name,)*)*
         }
@@ -525,11 +525,11 @@ inputs! {
         motor_rated_power_W ["W"] Above(0.0), None,
             "rated power of the motor";
         motor_steps_per_turn [""] Whole(1.0), None,
-            "full steps of a stepper motor per turn, for the travel per step";
+            "full steps of a stepper motor per turn; used to calculate the travel per step";
         microsteps_count [""] Whole(1.0), Some(1.0),
             "microsteps per full step of a stepper motor";
         encoder_counts_per_turn [""] Whole(1.0), None,
-            "counts of the encoder per turn of the motor; counts after quadrature, for the travel per count";
+            "counts of the encoder per turn of the motor; counted after quadrature and used to calculate the travel per count";
         largest_inertia_ratio [""] Above(0.0), Some(10.0),
             "largest permitted load-to-motor inertia ratio; usually 3 to 10";
         counterweight_kg ["kg"] AtLeast(0.0), Some(0.0),
@@ -543,7 +543,7 @@ inputs! {
         screws_per_motor [""] Whole(1.0), Some(1.0),
             "number of screws that each motor drives";
         cycles_per_hour [""] Above(0.0), None,
-            "number of cycles per hour; standstill fills the time between the cycles";
+            "number of cycles per hour; between the cycles, the axis stands still";
         hold_force_N ["N" "F_c"] Any, None,
             "process force that acts at rest, in addition to the weight; positive if it opposes a positive feed. Defaults to force_N if it is the same in all entries of the cycle, otherwise to 0";
         stop_deceleration_m_s2 ["m/s2" "a"] Above(0.0), None,

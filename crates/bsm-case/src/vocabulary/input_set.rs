@@ -407,8 +407,8 @@ impl Case {
         self.entries.override_with(&settings.entries);
     }
 
-    /// Applies several numbers at once, in the same way as [`override_with`](Self::override_with).
-    /// Unlike that function, it needs no second case, so it is used for the rows of a table.
+    /// Applies several numbers at once, in the same way as [`override_with`](Self::override_with),
+    /// but without a second case. This function is used for the rows of a table.
     pub fn override_with_numbers(&mut self, numbers: &[(InputKey, f64)]) {
         self.remove_replaced(numbers.iter().map(|(key, _)| *key).collect());
         for (key, value) in numbers {

@@ -1,4 +1,5 @@
-//! Reader for the lines of a text and for the cells of CSV lines. All text tables are read with it.
+//! Reader for the lines of a text and for the cells of CSV lines. All text tables are read with
+//! this reader.
 
 use std::borrow::Cow;
 use std::io::{self, BufRead, BufReader, Read};
@@ -29,7 +30,8 @@ pub struct OtherSeparator {
 }
 
 impl OtherSeparator {
-    /// Returns the error if a header contains another separator but not the expected separator.
+    /// Returns this error if a header contains a separator other than the expected one and does not
+    /// contain the expected one.
     pub fn of(header: &str, expected: char) -> Option<Self> {
         let found = header.chars().find(|sign| [',', ';', '\t', '|'].contains(sign))?;
         (!header.contains(expected)).then_some(Self { found, expected })
@@ -161,7 +163,8 @@ pub fn split<'a>(
     loop {
         let (cell, after) = match text.strip_prefix('"') {
             Some(quoted) if quotes => {
-                // A doubled quote is part of the cell, and a single quote ends the cell.
+                // Two consecutive quotes stand for a quote in the cell, and any other quote ends
+                // the cell.
                 let mut end = 0;
                 loop {
                     end += quoted[end..].find('"').ok_or_else(|| {

@@ -78,7 +78,7 @@ macro_rules! answer {
 
 /// Declares a row of a table: `name: Type as "name in JSON" = "heading" | interval;`.
 ///
-/// A cell without a heading is only contained in JSON, and a cell with `[skip]` is only shown on the
+/// A cell without a heading appears only in JSON, and a cell with `[skip]` appears only on the
 /// screen. `[flatten]` inserts the cells of another type. `interval` is the name of a cell with the
 /// ends of the 90 % interval that the screen shows next to the number. `unit name` after the struct
 /// states which cell contains the unit of the row.
@@ -229,8 +229,8 @@ macro_rules! number_tables {
 
 pub(crate) use number_tables;
 
-/// Implements JSON and schema of a name with its number, which becomes an object with one member.
-/// The names and meanings of all possible members follow `of`.
+/// Implements serialization and schema for a pair of a name and a number, which becomes a JSON
+/// object with one member. The names and meanings of all possible members follow `of`.
 macro_rules! one_member {
     ($($name:ident of $members:expr;)*) => {$(
         impl serde::Serialize for $name {
@@ -291,6 +291,8 @@ impl<T> NumberCells<T> {
 }
 
 impl Column {
+    /// Creates a column without a unit.
+    ///
     /// * `name`: name in JSON; empty for a column that is only shown on the screen.
     /// * `head`: heading on the screen; `None` for a column that appears only in JSON.
     pub(crate) fn new(name: &'static str, head: Option<&'static str>) -> Self {

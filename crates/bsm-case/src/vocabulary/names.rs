@@ -62,8 +62,8 @@ pub fn json_value_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Value
     UniqueKeys(&RefCell::default()).deserialize(deserializer)
 }
 
-/// Parses the value of a setting as JSON. If it is not valid JSON, the setting is a string without
-/// quotes.
+/// Parses the value of a setting as JSON. A text that is not valid JSON is treated as a string
+/// without quotes.
 ///
 /// # Errors
 ///
@@ -88,7 +88,8 @@ fn json_value(json: &[u8]) -> Result<Value, CaseError> {
     })
 }
 
-/// Deserializer for any JSON value that stores the first key that occurs twice in an object.
+/// Deserializer for any JSON value. It rejects a key that occurs twice in an object, and stores
+/// this key.
 #[derive(Clone, Copy)]
 struct UniqueKeys<'a>(&'a RefCell<Option<String>>);
 

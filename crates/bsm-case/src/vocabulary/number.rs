@@ -88,8 +88,8 @@ fn digits_of_interval(Band { low, high }: Band) -> u8 {
     if high - low < NARROW * low.abs().max(high.abs()) { 5 } else { 3 }
 }
 
-/// Rounds a number up or down to the digits that [`digits`] shows. If the number differs from a
-/// number with these digits only by rounding errors, the number with these digits is returned.
+/// Rounds a number up or down to the digits that [`digits`] shows. If the number is equal to a
+/// number with these digits except for rounding errors, the number with these digits is returned.
 fn rounded(value: f64, count: u8, towards: fn(f64) -> f64) -> f64 {
     /// Largest rounding error, in units of the last shown digit.
     const ROUNDING: f64 = 1e-6;
@@ -117,7 +117,7 @@ pub(crate) fn decimal(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
-/// Converts an integer that a file stores as a floating-point number.
+/// Converts a floating-point number with an integer value, such as a count from a case file.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -135,7 +135,7 @@ impl Output {
                 of.about
             );
             Self {
-                // The text is never freed, but it is only created once per output.
+                // The strings are never freed, but they are created only once per output.
                 name: Box::leak(name.into_boxed_str()),
                 about: Box::leak(about.into_boxed_str()),
                 origin: Origin::Interval { of, is_high },
@@ -220,7 +220,7 @@ macro_rules! outputs {
 
         /// Key of an output, which is its index in [`OUTPUTS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
+        #[expect(non_camel_case_types, reason = "the variants have the names of the vocabulary")]
         pub enum SolutionOutput {
             $($($(#[doc = $about] $name,)+)*)*
         }
@@ -279,7 +279,7 @@ fn read_at<F: Real>(
     read(solved, at)
 }
 
-/// Returns the same number for all solutions.
+/// Converts a constant to the number type of the solution.
 #[inline(always)]
 fn constant<F: Real>(solved: &SteadyState<F>, number: f64) -> F {
     solved.transmission.efficiency.constant(number)
@@ -291,7 +291,7 @@ fn flags<F: Real>(solved: &SteadyState<F>, holds: F::Mask) -> F {
     F::select(holds, constant(solved, 1.0), constant(solved, 0.0))
 }
 
-/// Converts the value true to 1 and false to 0.
+/// Converts true to 1 and false to 0.
 fn yes(holds: bool) -> f64 {
     f64::from(u8::from(holds))
 }
@@ -332,7 +332,7 @@ outputs! {
         "  drag" ["W"] Number: drag_power_W whole = |s, _| Some(s.film.as_ref()?.outside.drag),
             "power loss due to drag of the balls in the lubricant";
         "equivalent constant friction coefficient" [""] Number: equivalent_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.equivalent_friction),
-            "constant friction coefficient with the same loss of the contacts at this point";
+            "constant friction coefficient that gives the same contact loss at this point";
         "friction coefficient of a plain thread with this efficiency" [""] Number: catalog_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.catalog_friction),
             "friction coefficient of a plain thread with the same efficiency, as stated in catalogs";
         "temperature of the lubricant" ["C"] Number: lubricant_temperature_C whole = |s, _| Some(s.film.as_ref()?.temperature - ZERO_CELSIUS),
@@ -398,7 +398,7 @@ outputs! {
         "asperity load share" ["" "xi"] Number: nut_asperity_share nut screw_asperity_share screw = |s, at| Some(film(s, at)?.asperity_share),
             "share of the load that asperities carry";
         "friction coefficient" ["" "mu"] Number: nut_friction_coefficient nut screw_friction_coefficient screw = |s, at| Some(film(s, at)?.friction),
-            "mean friction coefficient: sliding power / sliding power with a coefficient of one";
+            "mean friction coefficient: sliding power divided by the sliding power for a coefficient of one";
         "rolling moment" ["N mm"] Number: nut_rolling_moment_Nmm nut screw_rolling_moment_Nmm screw = |s, at| Some(film(s, at)?.rolling_moment / MM),
             "moment that opposes rolling, due to lubricant and hysteresis";
         "entrainment" ["m/s" "u"] Number: nut_entrainment_m_s nut screw_entrainment_m_s screw = |s, at| Some(film(s, at)?.entrainment),
@@ -422,7 +422,7 @@ outputs! {
         "other_solutions" [""] Count: other_solutions whole = |s, _| Some(constant(s, count(s.alternatives?.count))),
             "number of other steady motions known at this point; null: unknown, because no search was made or the search failed";
         "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| Some(constant(s, s.alternatives?.farthest_efficiency?)),
-            "efficiency of the other steady motion whose efficiency differs most";
+            "efficiency of the other steady motion whose efficiency differs most from the efficiency of this motion";
         "evidence" [""] Evidence: evidence whole = |_, _| None,
             "evidence for no_solution: proof; bound (limits measured at many points: the error of an expansion, or the range in which two solutions exist); traced (the branch of states that starts at small inertia was traced to its end in steps of finite size)";
     }

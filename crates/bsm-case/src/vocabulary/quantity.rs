@@ -10,9 +10,9 @@ use crate::{CaseError, InputKey, InputSet, Output, Rule};
 /// Kinds of analyses whose results can be columns of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AnalysisKind {
-    /// Analysis of the slip of the balls.
+    /// Analysis of ball slip.
     Slip,
-    /// Analysis of jamming of the balls.
+    /// Analysis of ball jamming.
     Jam,
     /// Optimum contact angles and self-locking limits.
     Optimum,
@@ -172,7 +172,7 @@ read! {
     f64: |number| [Some(number), None, None];
     Option<f64>: |number| [number, None, None];
     Option<bool>: |holds| [holds.map(|holds| f64::from(u8::from(holds))), None, None];
-    // Values at nut and screw, or in both directions of drive.
+    // The two values apply to nut and screw, or to the two directions of drive.
     [f64; 2]: |[one, other]| [Some(one), Some(other), None];
     [Option<f64>; 2]: |[one, other]| [one, other, None];
     Option<[f64; 2]>: |pair| pair.map_or([None; 3], Read::values);
@@ -225,7 +225,7 @@ macro_rules! quantities {
         };
 
         /// Namespace for the readers of the table.
-        #[expect(non_camel_case_types, reason = "the macro makes no names")]
+        #[expect(non_camel_case_types, reason = "the type has the name of the function")]
         enum $numbers {}
 
         impl $numbers {

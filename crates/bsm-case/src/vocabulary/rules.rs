@@ -200,7 +200,7 @@ pub(crate) fn not_covered(model: Model, case: &Case) -> CaseError {
         Model::QuasiStatic => (InputKey::nut_speed_rpm, "0 while the screw turns (no dual drive)"),
         _ => (
             InputKey::friction_coefficient,
-            "> 0 (without friction the rotation of the ball is not determined)",
+            "> 0 (without friction, the rotation of the ball is not determined)",
         ),
     };
     CaseError::not_covered(key, case.number(key), rule, model)

@@ -258,8 +258,8 @@ pub(crate) fn counterpart(own: &str, other: &str) -> Option<Counterpart> {
     let any = |dimension: &'static Dimension| {
         of(dimension, dimension.units.iter().find(|unit| unit.text == own))
     };
-    // Units of the vocabulary are searched first, because a text such as K is a unit of several
-    // quantities.
+    // Units of the vocabulary are searched first, because several quantities can have a unit with
+    // the same text, such as K.
     DIMENSIONS.iter().find_map(of_vocabulary).or_else(|| DIMENSIONS.iter().find_map(any))
 }
 

@@ -164,7 +164,7 @@ fn invalid_inputs_of_the_ball_train_are_rejected() {
     };
     // The arc of the circuit, 1731.6 degrees, is 626.5 mm long and has room for 98.6 balls.
     let none = refused(json!({"ball_gap_mm": 0.0}));
-    let room = "`ball_gap_mm` = 0 must be a finite number > 0: the length of 626 mm of circuit 0 is sufficient for 98 balls with a diameter of 6.35 mm";
+    let room = "`ball_gap_mm` = 0 must be a finite number > 0: circuit 0 is 626 mm long and has room for 98 balls with a diameter of 6.35 mm";
     assert_eq!(none, room);
     let both = refused(json!({"return_push_N": 1.0, "return_bend_deg": 180.0}));
     assert!(both.contains("return_push_N") && both.contains("return_bend_deg"), "{both}");
@@ -272,7 +272,7 @@ fn too_many_balls_are_reported() {
     // The arc of 1731.6 degrees is therefore 626.5 mm long and has room for 98.6 balls of 6.35 mm.
     assert!(
         warnings.contains(
-            "120 balls are too many: the length of 626 mm of circuit 0 is sufficient for 98 balls with a diameter of 6.35 mm"
+            "120 balls are too many: circuit 0 is 626 mm long and has room for 98 balls with a diameter of 6.35 mm"
         ),
         "{warnings}"
     );

@@ -119,8 +119,8 @@ fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> 
 }
 
 impl Study {
-    /// Performs sweeps over load, speed and return angle around a case, all with the model of
-    /// `solution`.
+    /// Performs sweeps over load, speed and, if the case describes a ball return, return angle and
+    /// step height. All sweeps use the model of `solution`.
     ///
     /// # Errors
     ///

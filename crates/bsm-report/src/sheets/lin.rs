@@ -59,8 +59,8 @@ pub fn lin_figures(case: &Case) -> Result<Vec<Figure>, ReportError> {
     Ok(around_cases(case, case)?.into_iter().map(|figure| figure.in_units(units)).collect())
 }
 
-/// Same as [`lin_figures`], but with a separate case for Fig 5, for which the paper uses a smaller
-/// ball.
+/// Works like [`lin_figures`], but with a separate case for Fig 5, for which the paper uses a
+/// smaller ball. The figures are not converted to display units.
 ///
 /// # Errors
 ///
@@ -113,8 +113,8 @@ fn degrees(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
 }
 
 /// Draws the closed-form solution as lines and the exact solution at every third point as circles,
-/// with one color for each value in `others`. The first of these values is the value of the case;
-/// for this value, the other drive direction is drawn, too.
+/// with one color for each value in `others`. The first of these values is the value of the case.
+/// For this value, the curve of the other drive direction is drawn as well.
 fn exact_and_closed(
     case: &Case,
     (input, values): (&str, &[f64]),

@@ -46,7 +46,7 @@ pub fn offers_page(
 fn table_of(title: &str, table: &Table, names: [&str; 2]) -> Value {
     let shown = (0..).zip(&table.columns).filter(|(_, column)| column.head.is_some());
     let shown: Vec<_> = shown.filter(|(_, column)| column.name != "better").collect();
-    // The columns of an offer are labeled with its name.
+    // The columns of an offer are labeled with the name of the offer.
     let label = |column: &Column| {
         let head = column.head.as_deref().unwrap_or_default();
         let offer = |name: &str| column.name.strip_prefix(name);

@@ -405,7 +405,10 @@ fn section(report: &AxisReport) -> Option<Figure> {
     let caption = format!("Unloaded; contact angle {:.1} degrees.{estimated}", angle.to_degrees());
     Some(Figure::new(
         ["size-groove", "Section across the groove", &caption],
-        [PlotAxis::linear("along the axis, mm"), PlotAxis::equal("from the pitch circle, mm")],
+        [
+            PlotAxis::linear("axial position, mm"),
+            PlotAxis::equal("distance from the pitch circle, mm"),
+        ],
         curves,
     ))
 }

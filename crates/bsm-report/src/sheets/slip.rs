@@ -170,8 +170,8 @@ impl Study {
     /// With raceway control, the ball rolls at given contact angles without a force balance, and
     /// the nut is the controlling raceway unless the settings state otherwise. The contact angle at
     /// the nut and the contact angle at the screw are varied one at a time, while the other angle
-    /// keeps the value in the solution of the case. With any other model, each point is solved with
-    /// a different contact angle, which is the unloaded contact angle for models with elastic
+    /// is the contact angle of the case. With any other model, each point is solved with a
+    /// different contact angle, which is the unloaded contact angle for models with elastic
     /// contacts. `solution` determines the model, which must calculate the motion of the ball and,
     /// for raceway control, also the contact ellipses.
     ///

@@ -62,7 +62,7 @@ pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
             "Dashed lines show unstable states. Above {:.0} rpm, no steady state exists; the speed of this case is {:.0} rpm.",
             fold.speed_rpm, branch.speed_rpm
         ),
-        None => format!("The case has {:.0} rpm.", branch.speed_rpm),
+        None => format!("The speed of this case is {:.0} rpm.", branch.speed_rpm),
     };
     let band = report.answer.to_json()["band"].take();
     let bounds = |color: usize, name: &str| {

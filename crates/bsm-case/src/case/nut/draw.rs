@@ -25,7 +25,7 @@ pub(super) fn draw(nut: &mut BallNut, deviation: f64, waves: &[usize], seed: u64
 
 /// Draws a number from the standard normal distribution by the Box–Muller method.
 fn normal(rng: &mut impl Rng) -> f64 {
-    // The logarithm is taken of `size`, which is never 0.
+    // `size` is never 0, so its logarithm is finite.
     let (size, turn) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
     (-2.0 * size.ln()).sqrt() * (TAU * turn).cos()
 }

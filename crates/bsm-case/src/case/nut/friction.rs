@@ -41,7 +41,7 @@ impl FrictionSource {
                         the heat of a nut; give lubricant_temperature_C";
             return Err(bad("heat_transfer_W_K", what));
         }
-        // The seal torque is added separately.
+        // The seal torque is not a loss of the balls. It is added to the torque of the nut later.
         lubricant.losses.seal_torque = 0.0;
         Ok(Some(Self::Lubricant(lubricant)))
     }

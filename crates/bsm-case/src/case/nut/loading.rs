@@ -10,8 +10,9 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey};
 
-/// Transverse degrees of freedom of the nut. For each of them, the table lists the inputs for load,
-/// displacement and spring stiffness, and the factors that convert these inputs to SI units.
+/// Transverse degrees of freedom of the nut. For each degree of freedom, the table lists the inputs
+/// for load, displacement and spring stiffness, and the factors that convert these inputs to SI
+/// units.
 const ACROSS: [([InputKey; 3], [f64; 3]); 4] = {
     use InputKey as K;
     const FORCE: [f64; 3] = [1.0, UM, 1.0 / UM];

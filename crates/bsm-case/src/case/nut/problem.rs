@@ -82,7 +82,7 @@ pub struct NutProblem {
     pub(crate) cold_lubricant: Option<String>,
 }
 
-/// A preloaded nut at its load.
+/// A preloaded nut in equilibrium with its load.
 #[derive(Debug, Clone)]
 pub(crate) struct NutAtRest {
     /// Nut including preload, errors and temperature rises.
@@ -260,7 +260,7 @@ impl NutProblem {
                 self.nut.preloaded(by, displacement)
             }
         };
-        // The preload is set cold, and warming keeps the offset or oversize      (U19)
+        // Temperature rises do not change the offset or oversize that sets the preload (U19).
         let nut = match self.rises {
             Some((rises, expansion)) => cold.warmed(rises, expansion),
             None => cold.clone(),

@@ -25,7 +25,7 @@ pub(crate) struct BallGaps {
 pub(crate) fn room(nut: &BallNut, circuit: usize, spacer: f64) -> String {
     let arc = nut.circuits[circuit].arc;
     format!(
-        "the length of {:.0} mm of circuit {circuit} is sufficient for {} balls with a diameter of {} mm",
+        "circuit {circuit} is {:.0} mm long and has room for {} balls with a diameter of {} mm",
         arc * nut.helix.arc_length_per_radian() / MM,
         nut.room(circuit, spacer),
         exact(2.0 * nut.ball.radius / MM)
