@@ -1,6 +1,6 @@
-//! A ball between elastic raceways in scaled units (ball radius, axial load per ball, relative
-//! speed), for one point or for several points side by side. Angles are given by their sines and
-//! cosines.
+//! A ball between elastic raceways in scaled units (multiples of the ball radius, the axial load
+//! per ball and the relative speed), for one operating point or for several points side by side in
+//! a SIMD vector. Angles are given by their sines and cosines.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1), (P2), (P6).
 
@@ -72,11 +72,12 @@ impl<P: Real> ScaledBall<P> {
     }
 }
 
-/// Returns the axial play of one nut below which a ball on two contacts touches the far flank of a
-/// groove (AC7). The result is zero if the ball does not touch the far flank even without play.
+/// Returns the axial play of one nut below which a ball with two loaded contacts touches the far
+/// flank of a groove (AC7). The result is zero if the ball does not touch the far flank even
+/// without play.
 ///
-/// * `across`, `offset`: distances `$l_0\sin\beta_0$` and `$l_0$`, both reduced by the excess
-///   radius of the ball.
+/// * `across`, `offset`: distances `$l_0\sin\beta_0$` and `$l_0$`, both reduced by the amount by
+///   which the ball radius exceeds its nominal value.
 /// * `length`: distance from the arc center of the loaded flank to the ball center.
 /// * `(sin, cos)`: sine and cosine of the contact angle.
 /// * `cos_lead`: cosine of the lead angle.
@@ -250,7 +251,7 @@ impl<F: Real> BallContacts<F> {
         let screw = Groove { member: Raceway::Screw, conformity: conformities[1] };
         let (nut, at_nut) = GrooveContact::of(&nut, sines.tan_a(), cos_b, size);
         let (screw, at_screw) = GrooveContact::of(&screw, sines.tan_a(), cos_b, size);
-        // Lengths in r_b, forces in F_a, speeds in W                      (P1)
+        // Lengths are divided by r_b, forces by F_a, and speeds by W      (P1)
         let scaled = ScaledBall {
             lead: (sin_a, cos_a),
             radius: size.radius,
@@ -277,7 +278,7 @@ impl<F: Real> BallContacts<F> {
         Self { scaled, sin_b, cos_b, pressed: [nut, screw], regular }
     }
 
-    /// Returns a constant that has the same value at every point.
+    /// Returns the number `x` as a value that is equal at all points.
     #[inline(always)]
     pub fn constant(&self, x: f64) -> F {
         self.scaled.arc.constant(x)

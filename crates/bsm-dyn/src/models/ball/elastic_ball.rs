@@ -101,14 +101,14 @@ impl<D: Scalar> ElasticPoint<D> {
         ]
     }
 
-    /// Returns the operating point in scaled units: ball radius, axial load per ball and relative
-    /// speed (P1).
+    /// Returns the operating point in scaled units, which are multiples of the ball radius, the
+    /// axial load per ball and the relative speed (P1).
     ///
     /// # Errors
     ///
     /// Returns [`NoAnswer`] if the inputs are invalid.
     pub(crate) fn scaled(&self) -> Result<ElasticContacts<D>, NoAnswer> {
-        // Lengths in r_b, forces in F_a, speeds in W, Eq (R1)             (P1)
+        // Lengths are divided by r_b, forces by F_a, and speeds by W (R1)  (P1)
         let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
         let hertz = self.hertz().map_err(NoAnswer::invalid)?;
         let (r_b, load) = (self.point.ball.radius, self.point.load.per_ball());
@@ -248,7 +248,7 @@ impl<P: Scalar> ElasticContacts<P> {
     ) -> Result<BallLoads<D>, EvalError> {
         let (jones, approaches) = self.pressed(loads)?;
         let (screw, displacement) = jones.opposite(approaches, nut)?;
-        // The triad is rotated to β_A, and then by β_B − β_A to the contact normal at B  (P8)
+        // The triad is aligned with the normal at A; the normal at B is tilted by β_B − β_A  (P8)
         let frame = BallFrame::turned(D::from(self.helix.lead_angle), nut);
         let contacts =
             [Contact::tilted(Site::Nut, D::from(0.0)), Contact::tilted(Site::Screw, screw - nut)];
@@ -256,7 +256,8 @@ impl<P: Scalar> ElasticContacts<P> {
         Ok(BallLoads { loads, tilt, angles, frame, contacts, displacement })
     }
 
-    /// Returns the groove arcs and the approaches under two loads (P2).
+    /// Returns the groove geometry and the elastic approaches for the given loads at nut and screw
+    /// (P2).
     fn pressed<D: Over<P>>(&self, loads: [D; 2]) -> Result<(Jones<D>, [D; 2]), EvalError> {
         let least = loads[0].re().min(loads[1].re());
         if least.is_nan() || least <= 0.0 {
@@ -377,7 +378,7 @@ impl<P: Scalar> ElasticContacts<P> {
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Returns efficiency and torque from the scaled force and moment of the screw on the ball.
+    /// Calculates efficiency and torque from the scaled force and moment of the screw on the ball.
     pub(crate) fn transmitted(
         &self,
         contacts: &ElasticContacts<D>,
@@ -387,7 +388,7 @@ impl<D: Scalar> ElasticPoint<D> {
         self.transmitted_torque(contacts, torque(screw, contacts.helix.radius, frame))
     }
 
-    /// Returns efficiency and torque from the scaled torque on the screw.
+    /// Calculates efficiency and torque from the scaled torque on the screw.
     pub(crate) fn transmitted_torque(
         &self,
         contacts: &ElasticContacts<D>,
@@ -407,8 +408,8 @@ impl ElasticPoint {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if a contact angle is not in \[0, π/2). A contact at an angle of 0 is
-    /// at the bottom of the gothic arch, where the ball touches the other flank. At π/2, the
+    /// Returns [`NoAnswer`] if a contact angle is not in \[0, π/2). At an angle of 0, the contact
+    /// is at the bottom of the gothic arch, where the ball touches the other flank. At π/2, the
     /// contact normal is axial, and no groove extends beyond this point.
     pub(crate) fn ball_state(
         &self,
@@ -441,8 +442,8 @@ impl ElasticPoint {
         Ok(motion.state(scaled, sides, loaded.displacement, &units))
     }
 
-    /// Returns torque, efficiency and powers from the scaled torque on the screw, after checking
-    /// the power balance.
+    /// Calculates torque, efficiency and powers from the scaled torque on the screw, and checks the
+    /// power balance.
     ///
     /// * `friction_power`: scaled friction power, divided by `$W$`.
     ///

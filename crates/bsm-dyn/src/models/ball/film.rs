@@ -32,9 +32,9 @@ struct Gap<P> {
     semi_axis: P,
     /// Combined roughness of both surfaces.
     roughness: P,
-    /// Factors that convert speed to dimensionless speed `$U$`, and load to dimensionless load
-    /// `$W$` (Y6).
+    /// Factor that converts speed to dimensionless speed `$U$` (Y6).
     rate: P,
+    /// Factor that converts load to dimensionless load `$W$` (Y6).
     weight: P,
     /// Ratio of `$L^{0.62}$` in (Y8) to `$U^{1.24}$`.
     heat: P,
@@ -469,7 +469,7 @@ impl<P: Scalar> EhlPoint<P> {
 
     /// Calculates film, sliding power and rolling resistance with a single friction coefficient for
     /// the whole contact, evaluated at the load-weighted means of pressure and slip speed (Y23).
-    /// The wrench does not include friction.
+    /// The returned wrench does not include friction.
     ///
     /// * `unit`: sliding power for a friction coefficient of one, divided by `$W$`.
     pub(crate) fn mean_loss<D: Over<P>>(
@@ -485,8 +485,8 @@ impl<P: Scalar> EhlPoint<P> {
         EhlLoss { sliding: mean * unit, ..loss }
     }
 
-    /// Calculates film and rolling resistance for a given sliding power. The wrench does not
-    /// include friction.
+    /// Calculates film and rolling resistance for a given sliding power. The returned wrench does
+    /// not include friction.
     ///
     /// * `sliding`: sliding power divided by `$W$`.
     pub(crate) fn loss_of<D: Over<P>>(
@@ -534,8 +534,8 @@ impl<D: Real> ScaledFilm<D> {
         self.law.at(slip.constant(0.75), slip)
     }
 
-    /// Returns the force of the rolling resistance along `$t$` at the center of the contact, and
-    /// its couple about `$t \times N$`.
+    /// Returns the rolling resistance of the contact: its force along `$t$` at the contact center,
+    /// and its couple about `$t \times N$`.
     ///
     /// * `transverse`: angular velocity about `$t \times N$` relative to the raceway.
     #[inline(always)]

@@ -9,20 +9,20 @@ use crate::contact::{Ball, Coulomb, Load, ideal_torque};
 use crate::outcome::{Direction, NoAnswer, Reason};
 
 /// Minimum inertia ratio (dimensionless). For larger values, the square of the inertia ratio and
-/// its ratios to loads are representable in double precision. Even extreme operating points are
-/// above 1e-45.
+/// its ratios to loads are representable in double precision. Even extreme operating points have
+/// inertia ratios above 1e-45.
 const MIN_INERTIA_RATIO: f64 = 1e-100;
 
 /// Maximum inertia ratio (dimensionless) at which the balance of inertia forces and loads can be
-/// solved in double precision. Even extreme operating points are below 1e20.
+/// solved in double precision. Even extreme operating points have inertia ratios below 1e20.
 const MAX_INERTIA_RATIO: f64 = 1e28;
 
-/// Minimum friction coefficient (dimensionless). Smaller friction forces are hidden by rounding
-/// errors of the loads.
+/// Minimum friction coefficient (dimensionless). With a smaller coefficient, the friction forces
+/// would be lost in the rounding errors of the loads.
 const MIN_FRICTION: f64 = 1e-12;
 
 /// Returns true if friction and inertia are within the range of the models whose force balance
-/// includes friction, for one point or for several points side by side.
+/// includes friction, for one operating point or for several points side by side in a SIMD vector.
 ///
 /// * `inertia_ratio`: ratio of inertia force to axial load, `$\mu = m r_m W^2/F_a$`.
 #[inline(always)]
@@ -58,7 +58,8 @@ pub struct OperatingPoint<D = f64> {
     pub load: Load<D>,
 }
 
-/// An operating point in scaled units: ball radius, axial load per ball and relative speed.
+/// An operating point in scaled units, which are multiples of the ball radius, the axial load per
+/// ball and the relative speed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BallUnits<D> {
     /// Helix of the ball centers, whose radius is the ratio `$r_m/r_b$` in scaled units.
@@ -137,8 +138,8 @@ impl<D: Scalar> OperatingPoint<D> {
         Ok(())
     }
 
-    /// Returns the operating point in scaled units: ball radius, axial load per ball and relative
-    /// speed (R1).
+    /// Returns the operating point in scaled units, which are multiples of the ball radius, the
+    /// axial load per ball and the relative speed (R1).
     ///
     /// # Errors
     ///

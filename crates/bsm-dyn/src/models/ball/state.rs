@@ -54,8 +54,8 @@ pub struct FarFlank<F = f64> {
     pub gap: F,
     /// Contact with the more heavily loaded far flank; `None` if the ball touches no far flank.
     pub contact: Option<ThirdContact<F>>,
-    /// Friction power of all balls \[W\] if each ball had only two contacts; `None` if a ball with
-    /// two contacts has no steady motion.
+    /// Friction power of all balls \[W\] that would result if each ball had only two contacts;
+    /// `None` if a ball with two contacts has no steady motion.
     pub two_contact_power: Option<F>,
 }
 
@@ -114,7 +114,7 @@ pub struct SkidNumbers<F = f64> {
     /// Ratio of gyroscopic moment to friction moment of the rolling ball (W9); `None` without
     /// friction.
     pub skid_number: Option<F>,
-    /// Ratio of the slip across the grooves due to the lead to the slip due to spin (W10); `None`
+    /// Slip across the grooves due to the lead, divided by the slip due to spin (W10); `None`
     /// without spin.
     pub cross_slip: Option<F>,
 }
@@ -136,8 +136,8 @@ impl<F: Real> SkidNumbers<F> {
     /// Returns the onset number (W11), which is the skid number of a ball whose friction also has
     /// to oppose the slip due to the lead.
     ///
-    /// Balls roll if the onset number is below [`MAX_ROLLING_ONSET`]. If it is above 2, friction is
-    /// nearly saturated.
+    /// Balls roll if the onset number is below [`MAX_ROLLING_ONSET`]. If the onset number is above
+    /// 2, friction is nearly saturated.
     #[inline(always)]
     pub fn onset_number(&self) -> Option<F> {
         Some(onset_number(self.skid_number?, self.cross_slip?))
@@ -191,7 +191,7 @@ pub struct ErrorBound<F = f64> {
 
 impl ErrorBound {
     /// Calculates the error bound of the power loss from an efficiency and its error bound. The
-    /// given load must act on the driven side (screw or nut).
+    /// result is valid only if the axial load is given rather than the torque.
     pub fn of(direction: Direction, efficiency: f64, bound: f64) -> Self {
         let loss = loss_error(direction == Direction::LinearToRotary, efficiency, bound);
         Self { efficiency: bound, loss: Some(loss).filter(|loss| *loss <= MAX_LOSS_ERROR) }
@@ -275,8 +275,8 @@ pub struct ControllingRaceway {
 pub struct Alternatives {
     /// Number of other admissible solutions.
     pub count: usize,
-    /// Among the efficiencies of the other solutions, the one that differs most from the efficiency
-    /// of this solution.
+    /// Efficiency of the other solution whose efficiency differs most from this solution; `None` if
+    /// there is no other solution.
     pub farthest_efficiency: Option<f64>,
 }
 
@@ -300,8 +300,8 @@ impl<F: Real> SteadyState<F> {
 }
 
 impl SteadyState {
-    /// Adds the number of other solutions of the same equations and, among their efficiencies, the
-    /// one that differs most from the efficiency of this solution.
+    /// Adds information about other solutions of the same equations: their number, and the
+    /// efficiency that differs most from the efficiency of this solution.
     pub(crate) fn with_alternatives(self, alternatives: impl Iterator<Item = Self>) -> Self {
         let alternatives: Vec<_> =
             alternatives.map(|other| other.transmission.efficiency).collect();
@@ -324,8 +324,8 @@ impl<F: Copy> BallState<F> {
         }
     }
 
-    /// Creates the state of a ball for which only the contact angle \[rad\] is known, which is
-    /// equal at both loaded contacts.
+    /// Creates the state of a ball of which only the contact angle \[rad\] is known. Both loaded
+    /// contacts have this contact angle.
     #[inline(always)]
     pub fn at_angle(angle: F) -> Self {
         let contact = ContactState::at_angle(angle);
@@ -341,7 +341,7 @@ impl<F: Copy> BallState<F> {
 }
 
 impl<F> ContactState<F> {
-    /// Creates a contact for which only the contact angle \[rad\] is known.
+    /// Creates a contact of which only the contact angle \[rad\] is known.
     #[inline(always)]
     pub fn at_angle(angle: F) -> Self {
         Self { angle, load: None, slip_angle: None, slip: None, pressed: None }

@@ -36,8 +36,7 @@ impl ElasticContacts {
         // residual of (J7) is below -1. Any negative number serves as the residual at this end of
         // the bracket.
         let bracket = Bracket { f_tol: 1e-3, ..Bracket::new(ends, [too_far, -2.0 / target]) };
-        // Even if the search fails, the state that was evaluated last is good enough as a starting
-        // value.
+        // Even if the search fails, the last evaluated state is good enough as a starting value.
         let _ = bracket.root(|screw| {
             let (found, excess) = at(screw);
             state = found;
