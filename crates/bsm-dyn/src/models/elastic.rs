@@ -95,8 +95,8 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         let to_nut = Motion { precession: y[PRECESSION], omega };
 
         let points = loaded.contacts.map(|c| c.point(D::from(1.0)));
-        // V_A + V_B = d (2p − 1) W t + ω' × (r_A + r_B) − W k × r_B, in which the spin, of order
-        // 1/P, is multiplied by the tilt and does not cancel              (S11)
+        // In this sum, the spin (of order 1/P) is multiplied by the tilt, so it does not cancel.
+        // V_A + V_B = d (2p − 1) W t + ω' × (r_A + r_B) − W k × r_B       (S11)
         let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * contacts.scaled.arc);
         let both = arc + omega.cross(&(points[0] + points[1])) - loaded.frame.k.cross(&points[1]);
         let at_screw = both - along * y[SLIP];
@@ -151,8 +151,8 @@ impl GrossSlip {
         self.steps
     }
 
-    /// Returns a root that serves as a starting value. This is usually the first root on the curve
-    /// of force balance.
+    /// Returns a root that serves as a starting value. This root is usually the first root on the
+    /// equilibrium curve.
     ///
     /// # Errors
     ///
@@ -163,7 +163,7 @@ impl GrossSlip {
         Ok(Self { state, steps, residual: f64::NAN })
     }
 
-    /// Returns the first root on the curve of states whose forces balance.
+    /// Returns the first root on the equilibrium curve (the curve of states whose forces balance).
     ///
     /// # Errors
     ///
@@ -178,8 +178,7 @@ impl GrossSlip {
 /// Unknowns at a root, total number of Newton steps, and residual.
 type ElasticRoot = ([f64; BALL], usize, f64);
 
-/// Returns the first root on the curve of states whose forces balance, expressed in the unknowns
-/// (S1).
+/// Returns the first root on the equilibrium curve, expressed in the unknowns (S1).
 ///
 /// # Errors
 ///
