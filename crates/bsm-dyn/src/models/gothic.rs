@@ -1,5 +1,5 @@
-//! One ball with up to four contacts in the gothic arches of nut and screw. Its force balance
-//! includes friction.
+//! One ball with up to four contacts in the gothic arches of nut and screw. The force balance of
+//! the ball includes friction.
 //!
 //! Friction across the grooves moves the ball sideways. If the axial play is small, the ball then
 //! touches the far flank of one groove, which is the third contact.
@@ -35,7 +35,7 @@ use crate::models::ball::{
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicBall<D = f64> {
     /// Screw, ball, friction and speeds. The load of this operating point is ignored by
-    /// [`solve`](GothicBall::solve), which has an [`AxialCondition`] as its argument.
+    /// [`solve`](GothicBall::solve), which takes an [`AxialCondition`] instead.
     pub at: ElasticPoint<D>,
     /// Axial play, radial gap and oversize of the ball in the gothic arches.
     pub fit: ArchFit<D>,
@@ -142,11 +142,11 @@ const PATH_RESIDUAL: f64 = 1e-6;
 
 /// Scaled residual below which Newton steps reuse the Jacobian. Above this residual, the Jacobian
 /// is calculated together with every trial step, because few steps are rejected and the quadrature
-/// with derivatives costs little more than the quadrature without.
+/// with derivatives costs little more than the quadrature without derivatives.
 const CHORD_RESIDUAL: f64 = 1e-3;
 
 /// Maximum number of Newton steps from one starting value, after which the next starting value is
-/// tried. Nine of ten balls need at most 11 steps in total.
+/// tried. Nine out of ten balls need at most 11 steps in total.
 const MAX_STEPS: usize = 25;
 
 /// Maximum scaled residual before the final Newton step. The residual after this step is not
@@ -164,7 +164,7 @@ const SPIN_STOP_RATIO: f64 = 0.2;
 const AXIAL_FORCE_TOL: f64 = 1e-9;
 
 impl<D: Scalar> GothicBall<D> {
-    /// Returns the operating point of a ball on two contacts, with the contact angle at first
+    /// Returns the operating point of a ball with two contacts, with the contact angle at first
     /// contact.
     fn two_contact_point(&self) -> ElasticPoint<D> {
         self.at.fitted(self.fit.radial_gap, self.fit.oversize)
@@ -181,7 +181,7 @@ impl GothicBall {
     /// Solves for the steady motion of the ball in gothic arches (AC5), (AC6).
     ///
     /// Newton's method first starts from the state `near`, if this state is given, and then from
-    /// the state of the ball on two contacts. If Newton's method converges from neither state, a
+    /// the state of the ball with two contacts. If Newton's method converges from neither state, a
     /// continuation starts from the ball at rest and lowers the creep speed.
     ///
     /// # Errors
@@ -217,9 +217,9 @@ impl GothicBall {
         })
     }
 
-    /// Returns the axial play \[m\] below which friction presses the ball on two contacts against a
-    /// far flank (AC7). The result is zero if friction does not press the ball against a far flank
-    /// even without play, and `None` if two contacts cannot carry the axial force \[N\].
+    /// Returns the axial play \[m\] below which friction presses the ball with two contacts against
+    /// a far flank (AC7). The result is zero if friction does not press the ball against a far
+    /// flank even without play, and `None` if two contacts cannot carry the axial force \[N\].
     pub fn threshold_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
         let grooves = Grooves::of(&self.at, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
@@ -242,7 +242,7 @@ impl GothicBall {
         Some(play.max(0.0))
     }
 
-    /// Returns the gap \[m\] between the ball and the nearer far flank for a given state on two
+    /// Returns the gap \[m\] between the ball and the nearer far flank for a given state with two
     /// contacts; it is negative if flank and ball overlap. Returns `None` if the state contains no
     /// motion or no contact ellipses.
     pub fn far_gap_on_two_contacts(&self, two_contacts: &BallState) -> Option<f64> {
@@ -311,8 +311,8 @@ impl GothicBall {
         Ok(grooves.first_touch() / grooves.lead.1)
     }
 
-    /// Returns the axial force of the nut without friction \[N\] at a displacement beyond first
-    /// contact \[m\].
+    /// Returns the axial force of the nut \[N\] without friction, for a given displacement \[m\]
+    /// beyond first contact.
     ///
     /// # Errors
     ///
@@ -354,7 +354,7 @@ impl GothicBall {
         ball
     }
 
-    /// Returns the steady state of a ball on two contacts under an axial force per ball \[N\], or
+    /// Returns the steady state of a ball with two contacts under an axial force per ball \[N\], or
     /// `None` if there is no steady state.
     fn two_contacts(&self, axial: f64, work: &mut TractionWorkspace) -> Option<SteadyState> {
         if axial <= 0.0 {
@@ -593,7 +593,7 @@ impl GothicBall {
     }
 }
 
-/// Returns the axial play below which a ball on two contacts touches a far flank \[m\], or `None`
+/// Returns the axial play below which a ball with two contacts touches a far flank \[m\], or `None`
 /// if a contact carries no load.
 fn threshold_play(grooves: &Grooves, found: &SteadyState) -> Option<f64> {
     let [nut, screw] = [&found.ball.nut, &found.ball.screw];
@@ -673,7 +673,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
 enum Start {
     /// Start from a known state near the root, if the caller provides it.
     Near,
-    /// Start from the steady state of the ball on two contacts, if it exists.
+    /// Start from the steady state of the ball with two contacts, if it exists.
     TwoContacts,
 }
 
@@ -712,11 +712,11 @@ impl Search<'_> {
         found.ok()
     }
 
-    /// Returns two starting values derived from a ball on two contacts, or `None` if there is no
+    /// Returns two starting values derived from a ball with two contacts, or `None` if there is no
     /// position at which the forces balance.
     ///
     /// In both starting values, the ball is at the position where the normal loads of all flanks
-    /// balance the friction of the two contacts. One starting value has the motion of the ball on
+    /// balance the friction of the two contacts. One starting value has the motion of the ball with
     /// two contacts; the other has the motion of a ball whose third contact stops its spin. The
     /// more likely starting value comes first.
     ///
@@ -792,11 +792,12 @@ impl Search<'_> {
         Ok((y, report.residual))
     }
 
-    /// Finds the root by continuation that starts from the ball at rest and lowers the creep speed.
+    /// Finds the root by a continuation that starts from the ball at rest and lowers the creep
+    /// speed.
     fn by_lowering_creep(&mut self, at_rest: &[f64; PLACE]) -> Result<Found, NoAnswer> {
         let Self { balance, smooth, .. } = *self;
-        // The first continuation may fail because the sums of the smooth quadrature rule have
-        // jumps. The second continuation uses the requested quadrature rule.
+        // The first continuation may fail because the integrals with the coarser quadrature rule
+        // can jump. In this case, a second continuation uses the requested quadrature rule.
         self.followed(&smooth, at_rest).or_else(|_| self.followed(&balance, at_rest))
     }
 

@@ -27,7 +27,7 @@ pub struct LubricatedArch<D = f64> {
 }
 
 impl LubricatedArch {
-    /// Solves for the lubricated ball on two contacts and, if friction presses the ball against a
+    /// Solves for the lubricated ball with two contacts and, if friction presses the ball against a
     /// far flank, adds the power loss due to this third contact.
     ///
     /// The additional power loss is calculated with dry friction. The friction coefficient of the

@@ -11,8 +11,8 @@ use crate::models::ball::{
     ElasticPoint, NoAnswer, Reason, domain_error, equations, far_flank_play,
 };
 
-/// Number of contacts of a ball in two gothic arches. Their order is nut +, nut −, screw +, screw
-/// −. The + flanks carry a positive axial load.
+/// Number of contacts of a ball in two gothic arches. The order of the contacts is nut +, nut −,
+/// screw +, screw −. The + flanks carry a positive axial load.
 pub const FLANKS: usize = 4;
 
 /// Fit of a ball in the gothic arches: axial play, radial gap and oversize.
@@ -34,8 +34,8 @@ pub struct ArchFit<D = f64> {
 pub enum AxialCondition<D = f64> {
     /// Axial force of the nut on the ball \[N\], not negative.
     Force(D),
-    /// Axial displacement of the nut \[m\] from its middle position, in which both diagonals have
-    /// equal lengths.
+    /// Axial displacement of the nut \[m\] from its middle position, which is midway between
+    /// contact with the + flanks and contact with the − flanks.
     Displacement(D),
 }
 
@@ -142,8 +142,8 @@ impl<P: Scalar> Grooves<P> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the play is negative, or if the ball has no contact angle between 0
-    /// and 90 degrees.
+    /// Returns [`NoAnswer`] if the play is negative, or if the ball cannot touch the grooves at
+    /// contact angles between 0 and 90 degrees.
     pub(super) fn of(at: &ElasticPoint<P>, fit: &ArchFit<P>) -> Result<Self, NoAnswer> {
         let ArchFit { axial_play, radial_gap, oversize } = *fit;
         // The curvatures are calculated for a ball of nominal diameter at first contact.
@@ -167,13 +167,14 @@ impl<P: Scalar> Grooves<P> {
         Ok(grooves)
     }
 
-    /// Returns the distance `$L$` between the two arc centers on a diagonal at first contact \[m\].
+    /// Returns the distance `$L$` \[m\] between the arc centers of the + flanks of nut and screw at
+    /// first contact. The − flanks have the same distance.
     fn diagonal(&self) -> P {
         self.offsets[0] + self.offsets[1] - self.oversize * 2.0
     }
 
-    /// Returns the component along the principal normal of the distance between the two arc centers
-    /// on a diagonal \[m\].
+    /// Returns the component along the principal normal of the distance \[m\] between the arc
+    /// centers of the + flanks of nut and screw.
     fn height(&self) -> P {
         self.outward[0] + self.outward[1] - self.radial_gap
     }
@@ -231,14 +232,15 @@ impl<P: Scalar> Grooves<P> {
 }
 
 impl Grooves {
-    /// Returns the component along the binormal of the distance between the two arc centers on a
-    /// diagonal \[m\], for the middle position of the nut.
+    /// Returns the component along the binormal of the distance \[m\] between the arc centers of
+    /// the + flanks of nut and screw, for the middle position of the nut.
     fn width(&self) -> f64 {
         self.across[0] + self.across[1] - 2.0 * self.shift
     }
 
     /// Returns the displacement of the nut along the binormal at which the + flanks touch the ball
-    /// \[m\]. It is negative if the ball is already clamped in the middle position.
+    /// \[m\]. The displacement is negative if the ball is already clamped in the middle position of
+    /// the nut.
     pub(super) fn first_touch(&self) -> f64 {
         // w_t = √(L² − (y_A + y_B + w_n)²) − e_A − e_B                    (AC3)
         let (l, y) = (self.diagonal(), self.height());
@@ -260,8 +262,8 @@ impl Grooves {
         self.normal_forces(place).1[0] * self.lead.1
     }
 
-    /// Returns the axial play \[m\] below which a ball on two contacts also touches a far flank, or
-    /// zero if the ball does not touch a far flank even without play.
+    /// Returns the axial play \[m\] below which a ball with two contacts also touches a far flank,
+    /// or zero if the ball does not touch a far flank even without play.
     ///
     /// * `approaches`, `angles`: approaches \[m\] and contact angles \[rad\] at nut and screw.
     pub(super) fn threshold_play(&self, approaches: [f64; 2], angles: [f64; 2]) -> f64 {
@@ -335,7 +337,8 @@ impl Grooves {
                 ((load / stiffness).cbrt().powi(2) / sin + touch.max(0.0), axial)
             }
         };
-        // The ball lies between the arc centers of the more heavily loaded diagonal.
+        // The ball lies on the line between the arc centers of the more heavily loaded pair of
+        // flanks.
         let sign = if w < 0.0 { -1.0 } else { 1.0 };
         let (g_b, g_n) = (sign * self.width() + w, self.height());
         let length = g_b.hypot(g_n);
@@ -409,8 +412,9 @@ struct Rest<'a> {
     grooves: &'a Grooves,
     condition: AxialCondition,
     forces: &'a FixedForces,
-    /// Units of force \[N\] and length \[m\].
+    /// Unit of force \[N\].
     force: f64,
+    /// Unit of length \[m\].
     length: f64,
 }
 
