@@ -21,7 +21,7 @@ use crate::models::workspace::ModelWorkspace;
 use crate::outcome::named;
 
 named! {
-    /// Way in which the raceway-control model evaluates the friction law.
+    /// Method by which the raceway-control model evaluates the friction law.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     pub enum RacewayFriction {
         /// The friction coefficient is calculated from pressure and slip at each point of the
