@@ -80,8 +80,8 @@ pub(crate) struct RollingBall {
     pub(crate) steps: usize,
     /// Scaled residual of the static balance.
     residual: f64,
-    /// True if Newton's method from equal contact angles has shown that the ball has no other
-    /// rolling motion.
+    /// True if Newton's method, started from equal contact angles, has shown that the ball has no
+    /// other rolling motion.
     is_unique: bool,
 }
 
@@ -326,9 +326,8 @@ impl RacewayWorkspace {
         })
     }
 
-    /// Returns the steady state of a rolling ball, together with the number of other solutions and,
-    /// among their efficiencies, the one that differs most from the efficiency of this steady
-    /// state.
+    /// Returns the steady state of a rolling ball with information about other solutions: their
+    /// number, and the efficiency that differs most from the efficiency of this steady state.
     pub(crate) fn with_others(
         &mut self,
         screw: &ElasticPoint,
@@ -400,8 +399,8 @@ mod tests {
         }
     }
 
-    /// The quadrature error of the efficiency is 7e-7 at Lin's load. It is 1.1e-5 at 5 kN, where
-    /// the ellipse is larger.
+    /// The quadrature error of the efficiency is 7e-7 at Lin's load, and 1.1e-5 at 5 kN, where the
+    /// contact ellipse is larger.
     #[test]
     fn quadrature_error_of_the_efficiency_is_below_2e_5() {
         let fine = Quadrature::of(1e-12);
@@ -546,7 +545,7 @@ mod tests {
     /// nut-controlled ball and for the screw-controlled ball. If the two sides of (W7) are nearly
     /// equal, both balls or neither ball may satisfy it.
     #[test]
-    fn selected_controlling_raceway_does_not_depend_on_the_assumed_one_if_the_criterion_is_clear() {
+    fn clear_criterion_selects_the_same_raceway_for_nut_control_and_for_screw_control() {
         let mut rng = ChaCha8Rng::seed_from_u64(33);
         let mut newton = Workspace::default();
         let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);

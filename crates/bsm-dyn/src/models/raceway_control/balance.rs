@@ -64,7 +64,10 @@ impl<'a, P: Scalar> Balance<'a, P> {
         self.statics.residual(x[0], &self.statics.loaded(*x))
     }
 
-    #[expect(clippy::unnecessary_wraps, reason = "the signature of equations")]
+    #[expect(
+        clippy::unnecessary_wraps,
+        reason = "the macro `equations!` requires this return type"
+    )]
     fn residual<D: Over<P>>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
         Ok(self.equations(x))
     }

@@ -13,8 +13,8 @@ use crate::models::ball::{BallContacts, ElasticContacts, LoadedContact, ScaledBa
 /// terms of higher order.
 const CONTROL_MARGIN: f64 = 4.0;
 
-/// A ball between elastic raceways with the inputs of the raceway-control model, for one point or
-/// for several points side by side.
+/// A ball between elastic raceways with the inputs of the raceway-control model, for one operating
+/// point or for several points side by side in a SIMD vector.
 #[derive(Debug, Clone, Copy)]
 pub struct RacewayBall<P> {
     /// The ball in scaled units.

@@ -1,5 +1,6 @@
 //! Direct solution of the raceway-control model by Newton's method (static balance, controlling
-//! raceway and rolling motion) for one point or for several points side by side.
+//! raceway and rolling motion) for one operating point or for several points side by side in a SIMD
+//! vector.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W3) to (W10).
 
@@ -32,7 +33,7 @@ pub struct RollingRoot<F: Real> {
     pub steps: F,
     /// Scaled residual of the static balance.
     pub residual: F,
-    /// True if this is the first root and (W7) selects the same controlling raceway.
+    /// True if this is the first root and (W7) selects the controlling raceway of this root.
     pub found: F::Mask,
     /// True if the ball has no other rolling motion for the same inputs.
     pub unique: F::Mask,
@@ -150,8 +151,8 @@ pub struct RollingMotion<F> {
     pub p: F,
     /// Angular velocity relative to the nut in the Frenet-Serret triad `$(t, n, b)$`.
     pub omega: [F; 3],
-    /// Speeds of the ball center relative to nut and screw, divided by `$r_b$`. They also equal the
-    /// negative angular velocities about `$t \times N$`.
+    /// Speeds of the ball center relative to nut and screw, divided by `$r_b$`. These speeds equal
+    /// the negative angular velocities about `$t \times N$`.
     pub speed: [F; 2],
     /// Spins about the contact normals relative to nut and screw.
     pub spin: [F; 2],

@@ -1,5 +1,5 @@
-//! Static balance of the rolling ball with two unknowns, solved by Newton's method for one point or
-//! for several points side by side.
+//! Static balance of the rolling ball with two unknowns, solved by Newton's method for one
+//! operating point or for several points side by side in a SIMD vector.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12), (W13).
 
