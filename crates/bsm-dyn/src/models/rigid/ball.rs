@@ -1,5 +1,5 @@
 //! A ball between rigid contacts in scaled units, its motion, and the residuals of its equations,
-//! for one point or for several points side by side.
+//! for one operating point or for several points side by side in a SIMD vector.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R1) to (R10), (R12), (R21), (R23).
 
@@ -12,8 +12,8 @@ use crate::models::ball::{BALL, is_in_range};
 /// (along the helix).
 pub type Plane<D> = [D; 2];
 
-/// An operating point in scaled units: ball radius, axial load per ball and relative speed `$W$`
-/// (R1).
+/// An operating point in scaled units, which are multiples of the ball radius, the axial load per
+/// ball and the relative speed (R1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidBall<P = f64> {
     /// Sines and cosines of lead angle `$\alpha$` and contact angle `$\beta$`.
@@ -250,7 +250,7 @@ impl<P: Real> RigidBall<P> {
 }
 
 impl<F: Real> RigidBall<F> {
-    /// Returns a constant that has the same value at every point.
+    /// Returns the number `x` as a value that is equal at all points.
     #[inline(always)]
     pub(super) fn constant(&self, x: f64) -> F {
         self.signed.constant(x)

@@ -30,8 +30,8 @@ const UNLOADED_SLIP: usize = SPIN;
 /// contact B.
 const AXIAL: usize = BALL;
 
-/// Slip `$v_0$`, divided by `$r_b |W|$`. For slips much larger than `$v_0$`, the unknown is
-/// practically the logarithm of the slip.
+/// Unit `$v_0$` of the slips in the unknowns, divided by `$r_b |W|$`. If a slip is much larger than
+/// `$v_0$`, its unknown is practically the logarithm of the slip.
 const SLIP_UNIT: f64 = 1e-12;
 
 /// Minimum ratio of the first-order slip at contact A to the slip `$e_1 p$` of a ball that rolls at
@@ -50,11 +50,12 @@ const START: f64 = 1e-4;
 const MAX_START: f64 = 0.01;
 
 /// Maximum ratio of the inertia at the beginning of the branch to the actual inertia
-/// (dimensionless). It ensures that the branch begins before the root.
+/// (dimensionless). This limit ensures that the branch begins before the root.
 const MAX_START_PART: f64 = 0.1;
 
-/// Logarithm of the ratio of the inertia on the branch to the actual inertia at which the
-/// continuation stops. No known branch returns from beyond this ratio to the actual inertia.
+/// Maximum logarithm of the ratio of the inertia on the branch to the actual inertia. The
+/// continuation stops at this ratio, because no known branch returns from larger inertia to the
+/// actual inertia.
 const MAX_LOG_EXCESS: f64 = 3.0;
 
 /// Minimum slip at the contacts A' and B, divided by `$r_b |P - \Omega_n|$`, on the branch. Below

@@ -31,12 +31,12 @@ const MAX_REFINEMENT_STEPS: usize = 8;
 /// Maximum relative difference between the loads of two roots that count as the same root.
 const SAME_ROOT_TOL: f64 = 1e-6;
 
-/// A root of the rigid equations of one ball.
+/// A root of the equations of the rigid model for one ball.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BallRoot {
     pub(crate) motion: RigidMotion<f64>,
-    /// Number of sweeps, or number of Newton steps if the root was found by continuation and then
-    /// refined.
+    /// Number of sweeps of the fixed-point iteration, or number of Newton steps if the root was
+    /// found by continuation and then refined.
     pub(crate) steps: usize,
     pub(crate) residual: f64,
     /// Other admissible roots on the branch; `None` if the branch was not followed to its end.

@@ -256,8 +256,9 @@ fn count_second_roots(counts: [usize; 2]) {
             }
         }
         println!(
-            "{name}: {several} of {tried} have several roots on the branch, {unknown} unknown, least \
-             {least_inertia:.0} f^2, steep C = {least_multiplicity:.0}"
+            "{name}: {several} of {tried} points have several roots on the branch, {unknown} are \
+             undecided; least inertia {least_inertia:.0} f^2, least C at steep contact angles \
+             {least_multiplicity:.0}"
         );
         assert!(several >= count / 2000 && unknown * 20 <= count, "{several} {unknown}");
         assert!(least_inertia > UNIQUE_INERTIA && least_multiplicity > UNIQUE_MULTIPLICITY);
@@ -308,7 +309,7 @@ fn second_solution_is_reported_where_the_efficiency_jumps() {
     assert_relative_eq!(eta, 0.931_044, epsilon = 1e-6);
     assert_relative_eq!(other.expect("another"), 0.921_331, epsilon = 1e-6);
     // At the jump of the efficiency, two of the three roots merge and vanish. The third root
-    // continues.
+    // persists.
     let (before, alternatives, goes_on) = answered(55.12, &mut work);
     assert_eq!(alternatives, 2);
     let (after, alternatives, _) = answered(55.13, &mut work);
