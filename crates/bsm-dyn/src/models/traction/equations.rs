@@ -44,15 +44,15 @@ const CHORD_RESIDUAL: f64 = 1e-3;
 /// relative to the nut.
 const FAST_NUT: f64 = 2.0;
 
-/// Default maximum number of Newton steps in a solve, and default maximum number of halvings of a
-/// step.
+/// Default limits of a solve: maximum number of Newton steps, and maximum number of halvings of
+/// each step.
 const DEFAULT_LIMITS: (usize, u32) = (20, 6);
 
 /// Error that is returned if no contact angles exist for the given loads and tilt.
 const CONTACT_LOST: EvalError = EvalError {
     quantity: "contact angle of a ball at nut or screw",
     value: f64::NAN,
-    requirement: "must be a number, but no contact angle exists for these loads and this tilt",
+    requirement: "no contact angle exists for the given loads and tilt",
 };
 
 /// The traction equations of a ball at an operating point.
@@ -73,7 +73,8 @@ pub(super) struct SlipBall<'a, P = f64> {
     pub(super) lubrication: Option<Lubrication<'a, P>>,
     /// Forces of the neighboring balls; `None` for a ball without neighbors.
     pub(super) push: Option<Push>,
-    /// Maximum number of Newton steps in a solve, and maximum number of halvings of a step.
+    /// Limits of a solve: maximum number of Newton steps, and maximum number of halvings of each
+    /// step.
     pub(super) limits: (usize, u32),
 }
 
@@ -409,7 +410,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         Ok(found)
     }
 
-    /// Returns the nodes of the quadrature at nut (0) or screw (1).
+    /// Returns the placement of the quadrature nodes at nut (0) or screw (1).
     pub(super) fn nodes(&self, i: usize) -> Placement<'_> {
         Placement {
             rule: self.quadrature,
@@ -512,7 +513,7 @@ impl<P: Scalar> Lubrication<'_, P> {
         let (cos_lead, per_arc) = (contacts.scaled.lead.1, contacts.scaled.arc.recip());
         let film = |i: usize| {
             let [speed, _, _, around] = geometry.patches[i].motion;
-            // Component k·(t × N) of the screw axis direction.
+            // `k_c` is the component k·(t × N) of the direction of the screw axis.
             let k_c = geometry.angles[i].1 * cos_lead * [1.0, -1.0][i];
             self.ehl.of_motion(i, loads[i], [speed * per_arc, speed, around], k_c, creep)
         };
@@ -616,8 +617,8 @@ impl SlipBall<'_> {
         [force, pressing, force, moment, moment, moment, force]
     }
 
-    /// Returns an upper estimate of the friction force at the nut. It assumes that the slip is as
-    /// large as the velocities whose difference is the slip (T11).
+    /// Returns an upper estimate of the friction force at the nut. The estimate assumes that the
+    /// slip is as large as the velocities whose difference is the slip (T11).
     ///
     /// * `load`: centrifugal force divided by the axial load.
     fn friction_force(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {

@@ -1,6 +1,6 @@
 //! Tests of the traction model: the status `no_solution` is compared with searches from many
 //! starting points, and both sets of unknowns, error bounds and derivatives are checked. Difficult
-//! operating points are in `validation/hard`.
+//! operating points are stored in `validation/hard`.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -146,7 +146,7 @@ fn random_starts_rarely_find_a_root_at_points_reported_as_unsolvable() {
 /// Repeats the test of `no_solution` with more points. Command: `cargo test --release -p bsm-dyn
 /// --lib random_starts_rarely_find_a_root_at_many_points -- --ignored --nocapture`.
 #[test]
-#[ignore = "minutes"]
+#[ignore = "takes minutes: 3000 points with 300 starting values each"]
 fn random_starts_rarely_find_a_root_at_many_points_reported_as_unsolvable() {
     let SearchCounts { no_solution, .. } = search_counts(2031, 3000, 300);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
@@ -214,7 +214,7 @@ fn count_violated_error_bounds(seed: u64, points: usize) -> (usize, [usize; 3], 
             largest[i] = largest[i].max(error);
         }
     }
-    println!("{answered} points: {broken:?} broken, errors up to {largest:?}");
+    println!("{answered} points: bound exceeded at {broken:?} points, errors up to {largest:?}");
     (answered, broken, largest)
 }
 
@@ -233,7 +233,7 @@ fn reported_error_bound_exceeds_the_quadrature_error() {
 /// Repeats the test of the error bound with more points. Command: `cargo test --release -p bsm-dyn
 /// --lib quadrature_error_at_many_points -- --ignored --nocapture`.
 #[test]
-#[ignore = "minutes"]
+#[ignore = "takes minutes: 100 000 points"]
 fn reported_error_bound_exceeds_the_quadrature_error_at_many_points() {
     let (points, broken, largest) = count_violated_error_bounds(2026, 100_000);
     assert!(points > 90_000);

@@ -1,4 +1,4 @@
-//! Motion of balls in a ball train that push against each other.
+//! Motion of balls that push against each other in a ball train.
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O5).
 
