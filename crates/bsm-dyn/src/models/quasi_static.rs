@@ -1,5 +1,5 @@
-//! Quasi-static model of a ball with two contacts. It neglects inertia and considers slip in the
-//! normal plane and rolling resistance.
+//! Quasi-static model of a ball with two contacts. The model neglects inertia, but includes slip in
+//! the normal plane and rolling resistance.
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (Q1) to (Q4).
 
@@ -41,8 +41,8 @@ pub enum DrivenBody {
     Both,
 }
 
-/// Quantities of the two contacts in the force balance. The friction terms are negative if the load
-/// back-drives the screw.
+/// Quantities in the force balance of a ball with two contacts. The friction terms are negative if
+/// the load back-drives the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct TwoContacts<D: Real> {
     /// Sines and cosines of lead angle and contact angle.
@@ -73,7 +73,7 @@ impl<D: Real> TwoContacts<D> {
         rolling_tangent(self.rolling_ratio, self.sines.sin_b)
     }
 
-    /// Returns the efficiency for conversion of rotary to linear motion (Q1) to (Q3).
+    /// Returns the efficiency for the conversion of rotary to linear motion (Q1) to (Q3).
     ///
     /// ```math
     /// \eta = 1 - \frac{f(r_b/r_m + \epsilon) + \tan\rho/(\cos\alpha\sin\alpha)}

@@ -27,7 +27,7 @@ fn rolling_ball(control: Control, lead: f64, angles: [f64; 2], forward: bool) ->
 
 proptest! {
     /// At the contact center, the differential slip equals the value of the slip velocity field,
-    /// and the spin equals its rotation.
+    /// and the spin equals the curl of this field.
     #[test]
     fn differential_slip_and_spin_match_the_slip_velocity_field(
         lead in 0.02..1.2_f64, beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
@@ -170,8 +170,8 @@ fn published_spin_slip_depends_on_rotation_direction_while_calculated_spin_does_
     assert!(spin.abs() + other.abs() < 1e-12 * rate);
 }
 
-/// The equations of the paper reproduce the components of the angular velocity from the gyroscopic
-/// angles.
+/// The equations of Xu and Tang reproduce the components of the angular velocity from the
+/// gyroscopic angles.
 #[test]
 fn gyroscopic_angles_agree_with_xu_and_tang() {
     let omega = Vector3::new(310.0, -420.0, -1700.0);
