@@ -126,8 +126,8 @@ impl Auto {
 }
 
 impl<const M: usize> Auto<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives with respect to the inputs. The model
-    /// is chosen from the values of the inputs.
+    /// Returns efficiency and torque with their derivatives with respect to the inputs. The choice
+    /// of the model depends only on the values of the inputs, not on their derivatives.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
@@ -235,10 +235,10 @@ impl ModelErrors {
         self.skidding * range
     }
 
-    /// Returns the basis for choosing the model of the slip regime (raceway control or gross slip)
-    /// if the error bound of this model is at most the tolerance; otherwise returns `None`. After
-    /// the gross-slip model is solved, its error bound must be recalculated with the efficiency of
-    /// that solution.
+    /// Selects raceway control for a rolling ball, or gross slip for a skidding ball, if the error
+    /// bound of this model is at most the tolerance. Returns `None` otherwise, and for a ball in
+    /// partial skid. After the gross-slip model is solved, its error bound must be recalculated
+    /// with the efficiency of that solution.
     pub fn basis(&self, tolerance: f64) -> Option<Basis> {
         let Self { onset_number, rolling, range, .. } = *self;
         match SlipRegime::of(onset_number) {

@@ -205,8 +205,8 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     let rate = (y[PRECESSION] + contacts.scaled.nut_speed).abs();
     let centrifugal = contacts.inertia_ratio() * rate * rate;
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
-    // In the moment balance about the mean normal, the gyroscopic moment I P ω of the rolling ball
-    // is the only term.
+    // In the moment balance about the mean normal, all terms are of the order of the gyroscopic
+    // moment I P ω of the rolling ball.
     let gyroscopic =
         contacts.scaled.ball().inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.scaled.arc);
     let mut weights = [weight(force); BALL];
@@ -236,7 +236,7 @@ impl Elastic {
         Solution::new(Model::Elastic, solved)
     }
 
-    /// Returns the steady state of the first root.
+    /// Returns the steady state at the first root on the equilibrium curve.
     ///
     /// # Errors
     ///

@@ -136,8 +136,8 @@ impl Root {
 /// starting value.
 const FIRST_CREEP: f64 = 30.0;
 
-/// Residual tolerance (scaled) of the roots along a continuation. It equals the accuracy of the
-/// quadrature that is used along the continuation.
+/// Residual tolerance (scaled) of the roots along a continuation. The tolerance equals the accuracy
+/// of the quadrature that is used along the continuation.
 const PATH_RESIDUAL: f64 = 1e-6;
 
 /// Scaled residual below which Newton steps reuse the Jacobian. Above this residual, the Jacobian
@@ -217,9 +217,9 @@ impl GothicBall {
         })
     }
 
-    /// Returns the axial play \[m\] below which friction presses the ball with two contacts against
-    /// a far flank (AC7). The result is zero if friction does not press the ball against a far
-    /// flank even without play, and `None` if two contacts cannot carry the axial force \[N\].
+    /// Returns the axial play \[m\] below which friction presses a ball with two contacts against a
+    /// far flank (AC7). The result is zero if friction does not press the ball against a far flank
+    /// even without play, and `None` if two contacts cannot carry the axial force \[N\].
     pub fn threshold_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
         let grooves = Grooves::of(&self.at, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
@@ -593,7 +593,7 @@ impl GothicBall {
     }
 }
 
-/// Returns the axial play below which a ball with two contacts touches a far flank \[m\], or `None`
+/// Returns the axial play \[m\] below which a ball with two contacts touches a far flank, or `None`
 /// if a contact carries no load.
 fn threshold_play(grooves: &Grooves, found: &SteadyState) -> Option<f64> {
     let [nut, screw] = [&found.ball.nut, &found.ball.screw];

@@ -1,4 +1,4 @@
-//! A lubricated ball in gothic arches, which friction may press against a far flank.
+//! A lubricated ball that friction may press against the far flank of a gothic arch.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC11) and (AC12).
 

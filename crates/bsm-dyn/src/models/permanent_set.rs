@@ -191,7 +191,7 @@ mod tests {
         (contacts.map(|c| c.load.expect("a load")), contacts.map(|c| c.angle))
     }
 
-    /// Under a light load, the permanent approach is negligible. This applies to models with and
+    /// Under a light load, the permanent approach is negligible. The test covers models with and
     /// without friction in the force balance.
     #[test]
     fn permanent_deformation_under_a_light_load_is_negligible() {

@@ -89,8 +89,8 @@ impl<D: Real> TwoContacts<D> {
     fn forward_efficiency(&self) -> D {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
         let (f, size, tan_rho) = (self.friction, self.size_ratio, self.tan_rho());
-        // screw: f r_b/r_m,  r_b/r_m − cosβ                               (Q2)
-        // nut: f (r_b/r_m + 2 cosβ),  r_b/r_m + cosβ                      (Q3)
+        // Screw drive: loss f r_b/r_m, lever r_b/r_m − cosβ               (Q2)
+        // Nut drive: loss f (r_b/r_m + 2 cosβ), lever r_b/r_m + cosβ      (Q3)
         let loss = f * D::select(self.nut_turns, size + cos_b * 2.0, size);
         let lever = D::select(self.nut_turns, size + cos_b, size - cos_b);
         let effort = sin_b + f * lever + tan_rho * cos_a / sin_a;

@@ -253,8 +253,8 @@ impl RacewayControl {
     /// tests).
     const SENSITIVITY_ACCURACY: f64 = 1e-10;
 
-    /// Creep speed of (E4), divided by `$r_b |W|$`. It is small compared with the slip due to the
-    /// lead, `$\sin\alpha/2$`.
+    /// Creep speed of (E4), divided by `$r_b |W|$`. The creep speed is small compared with the slip
+    /// due to the lead, `$\sin\alpha/2$`.
     pub const CREEP: f64 = 1e-4;
 
     /// Solves for the loads and contact angles, calculates the rolling motion, and integrates the
@@ -576,7 +576,7 @@ mod tests {
              by neither ball: {neither}; wrongly decided: {missed}"
         );
         assert_eq!(missed, 0);
-        assert!(both + neither > 0, "the random points contain no tie");
+        assert!(both + neither > 0, "criterion (W7) is clear at all random points");
     }
 
     #[test]

@@ -29,8 +29,8 @@ pub struct GrooveForces<D = f64> {
     pub angle: D,
     /// Elastic energy `$V$` \[J\].
     pub energy: D,
-    /// Force that maintains the displacement, `$\partial V/\partial w$` \[N\]. It acts on the
-    /// groove of the nut.
+    /// Force that maintains the displacement, `$\partial V/\partial w$` \[N\]. The force acts on
+    /// the groove of the nut.
     pub force: [D; 2],
     /// Stiffness, which is the derivative of the force with respect to the displacement,
     /// `$\partial^2 V/\partial w^2$` \[N/m\].

@@ -278,7 +278,7 @@ impl<F: Real> BallContacts<F> {
         Self { scaled, sin_b, cos_b, pressed: [nut, screw], regular }
     }
 
-    /// Returns the number `x` as a value that is equal at all points.
+    /// Converts the number `x` to the scalar type `F`, with the same value at all points.
     #[inline(always)]
     pub fn constant(&self, x: f64) -> F {
         self.scaled.arc.constant(x)
@@ -300,7 +300,7 @@ impl<F: Real> BallContacts<F> {
     }
 }
 
-/// Motion of a ball on two elastic contacts, with lengths divided by the ball radius and speeds
+/// Motion of a ball with two elastic contacts, with lengths divided by the ball radius and speeds
 /// divided by `$W$`. Arrays with two elements contain the values at nut and screw.
 #[derive(Debug, Clone, Copy)]
 pub struct ElasticMotion<F> {

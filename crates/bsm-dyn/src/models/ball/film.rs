@@ -26,7 +26,7 @@ pub(crate) const FILM_LOAD_EXPONENT: f64 = 0.067;
 struct Gap<P> {
     /// Radius along the track `$R_x = 1/\rho_t$`.
     radius: P,
-    /// Ratio of the semi-axes `$b/a$` (along the groove to across the groove).
+    /// Ratio `$b/a$` of the semi-axis along the groove to the semi-axis across the groove.
     flatness: P,
     /// Semi-axis across the groove divided by the cube root of the load.
     semi_axis: P,
@@ -191,8 +191,8 @@ pub struct FilmLoss<F = f64> {
     pub rolling: F,
     /// Semi-axes across and along the groove \[m\].
     pub semi_axes: (F, F),
-    /// Ratio of minimum to central film thickness (Y36), and load parameter `$M$` (Y17), if
-    /// requested.
+    /// Ratio of minimum to central film thickness (Y36) and load parameter `$M$` (Y17), calculated
+    /// only if requested.
     pub inlet: [F; 2],
 }
 
@@ -393,9 +393,9 @@ impl<P: Real> Gap<P> {
             weight: (modulus * radius.square()).recip(),
             heat: heat.powf(0.62),
             film: radius * stiffening * shape * lubricant.film_factor * 2.69,
-            // B^{1/4} k in M                                              (Y17)
+            // Factor B^{1/4} k of M                                       (Y17)
             elastic: (log_inlet * 0.25).exp() * flatness,
-            // 0.77 B^{−1/3} k^0.12 U₂^{−1/12},  c = 1.8 B^{−1/4}          (Y16)
+            // Factor 0.77 B^{−1/3} k^0.12, and constant c = 1.8 B^{−1/4}  (Y16)
             rigid: (flatness.ln() * 0.12 - log_inlet * (1.0 / 3.0)).exp() * 0.77,
             flat: (log_inlet * -0.25).exp() * 1.8,
             rolling: radius * modulus * lubricant.rolling_factor * lubricant.film_factor * 2.0,
@@ -436,8 +436,8 @@ pub(crate) struct EhlLoss<D> {
     pub(crate) film: ScaledFilm<D>,
     /// Wrench of friction and rolling resistance on the ball.
     pub(crate) wrench: Wrench<D>,
-    /// Sliding power divided by `$W$`. It carries derivatives with respect to the inputs, but not
-    /// with respect to the unknowns.
+    /// Sliding power divided by `$W$`. The power carries derivatives with respect to the inputs,
+    /// but not with respect to the unknowns.
     pub(crate) sliding: D,
     /// Power of the rolling resistance divided by `$W$`.
     pub(crate) rolling: D,
@@ -547,7 +547,7 @@ impl<D: Real> ScaledFilm<D> {
         [push, -twist]
     }
 
-    /// Returns the power of the rolling resistance.
+    /// Returns the power that is dissipated by the rolling resistance.
     ///
     /// * `speed`, `around`: speeds as in [`EhlPoint::of_motion`].
     #[inline(always)]

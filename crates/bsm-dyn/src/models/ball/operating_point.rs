@@ -8,9 +8,9 @@ use super::state::Transmission;
 use crate::contact::{Ball, Coulomb, Load, ideal_torque};
 use crate::outcome::{Direction, NoAnswer, Reason};
 
-/// Minimum inertia ratio (dimensionless). For larger values, the square of the inertia ratio and
-/// its ratios to loads are representable in double precision. Even extreme operating points have
-/// inertia ratios above 1e-45.
+/// Minimum inertia ratio (dimensionless). Above this limit, the square of the inertia ratio and the
+/// ratios of inertia forces to loads are representable in double precision. Even extreme operating
+/// points have inertia ratios above 1e-45.
 const MIN_INERTIA_RATIO: f64 = 1e-100;
 
 /// Maximum inertia ratio (dimensionless) at which the balance of inertia forces and loads can be

@@ -168,7 +168,7 @@ pub struct SteadyState<F: Real = f64> {
     pub control: Option<ControllingRaceway>,
     /// Other admissible solutions; `None` if the model did not search for them.
     pub alternatives: Option<Alternatives>,
-    /// Error bounds of efficiency and power loss. For the model `traction`, they limit the
+    /// Error bounds of efficiency and power loss. For the model `traction`, these bounds limit the
     /// quadrature error; for the model `auto`, they limit the difference from `traction`.
     pub error: Option<ErrorBound<F>>,
     /// Oil films of a lubricated ball; `None` for a constant friction coefficient.

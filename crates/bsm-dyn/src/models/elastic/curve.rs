@@ -81,8 +81,8 @@ impl<'a> SlidingCurve<'a> {
     ///
     /// Returns [`NoAnswer`] if no root exists or if the search fails.
     fn root(&mut self) -> Result<CurveRoot, NoAnswer> {
-        // Newton's method refines the roots of a coarse continuation. If it converges to a
-        // different root, the continuation is repeated with an accurate step control.
+        // Newton's method refines the roots that a coarse continuation finds. If the refinement
+        // converges to a different root, the continuation is repeated with accurate step control.
         let found = self.trace(&STEP_CONTROL).or_else(|| self.trace(&EXACT_STEP_CONTROL));
         found.unwrap_or(Err(NoAnswer::LOST))
     }

@@ -11,8 +11,8 @@ use super::states::{SlidingBall, SlidingMotion, SlidingPoint, SlidingState};
 use crate::contact::unit_ball_torque;
 use crate::models::ball::{friction_power, is_in_range};
 
-/// Value of `$\ln q$` (dimensionless) that represents zero inertia. It is close to the logarithm of
-/// the smallest normal floating-point number.
+/// Value of `$\ln q$` (dimensionless) that represents zero inertia. This value is close to the
+/// logarithm of the smallest normal floating-point number.
 pub(super) const LOG_NO_INERTIA: f64 = -700.0;
 
 /// Maximum relative change of the factors of (S27) from the beginning of the equilibrium curve
@@ -65,8 +65,8 @@ const MAX_STEP: f64 = 1.5;
 /// Maximum number of steps of the continuation, including rejected steps.
 const MAX_STEPS: usize = 12;
 
-/// Maximum ratio of the step in `$\ln q$` to the step in `$\ln\mu$` (dimensionless). It is twice
-/// the largest ratio along a straight curve.
+/// Maximum ratio of the step in `$\ln q$` to the step in `$\ln\mu$` (dimensionless). This limit is
+/// twice the largest ratio along a straight curve.
 const MAX_SLOPE: f64 = 4.0;
 
 /// Step length at which Newton's method stops for an intermediate state, in units of the scales of
@@ -523,7 +523,7 @@ impl<F: Real> SlidingRoot<F> {
         [along, cos * normal - sin * across, sin * normal + cos * across]
     }
 
-    /// Returns the precession rate relative to the nut, `$p$`.
+    /// Returns the precession rate `$p$` relative to the nut.
     #[inline(always)]
     pub fn precession(&self) -> F {
         // P = Ω_n + p W                                                   (S2)

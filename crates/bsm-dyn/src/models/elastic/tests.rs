@@ -188,8 +188,8 @@ fn root_at_small_inertia_agrees_with_the_first_order_solution() {
         // λ = p_R d T / (cosψ + T sinψ),  T = tanα/cosβ                   (S10)
         let tangent = sin_a / (cos_a * cos_b);
         let slip = tangent * contacts.scaled.arc * rigid / (cos_psi + tangent * sin_psi);
-        // The relative error is of second order in the inertia of 1e-8, divided by the smallest
-        // cosine and by the resonance term.
+        // The relative error of the first-order solution is of the order of the inertia (at most
+        // 1e-8), divided by the smallest cosine and by the resonance term.
         let close = |x: f64, y: f64| {
             assert_relative_eq!(x, y, max_relative = 1e-4, epsilon = 1e-4 * inertia);
         };

@@ -212,7 +212,7 @@ impl<P: Scalar> Grooves<P> {
         FlankApproach { approach, length, normal: [v[0] * per_length, v[1] * per_length] }
     }
 
-    /// Returns the normal load \[N\] for a given approach; it is zero for a gap (H9).
+    /// Returns the normal load \[N\] for a given approach; the load is zero for a gap (H9).
     #[inline(always)]
     pub fn load<D: Over<P>>(&self, flank: usize, approach: D) -> D {
         if approach.re() <= 0.0 {
@@ -221,8 +221,8 @@ impl<P: Scalar> Grooves<P> {
         approach * approach.sqrt() * self.stiffness[flank / 2]
     }
 
-    /// Returns the semi-axes of the contact ellipse \[m\] for a positive approach. They are not
-    /// calculated from the cube root of the load, which has an infinite slope at zero.
+    /// Returns the semi-axes of the contact ellipse \[m\] for a positive approach. The calculation
+    /// avoids the cube root of the load, whose slope is infinite at zero load.
     #[inline(always)]
     pub(super) fn semi_axes<D: Over<P>>(&self, flank: usize, approach: D) -> (D, D) {
         let Hertz { semi_axis, flatness, .. } = self.hertz[flank / 2];

@@ -10,8 +10,8 @@ use crate::models::ball::{EhlPoint, LubricatedState, NoAnswer, Performance};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
-/// Temperature step of a finite difference \[K\]. It is much smaller than the range of tens of
-/// kelvins over which the temperature derivative of the losses changes noticeably.
+/// Temperature step of a finite difference \[K\]. The step is much smaller than the range of tens
+/// of kelvins over which the temperature derivative of the losses changes noticeably.
 const DIFFERENCE_STEP: f64 = 1e-3;
 
 impl<const M: usize> LubricatedBall<Jet<M>> {

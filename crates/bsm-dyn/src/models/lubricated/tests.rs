@@ -170,8 +170,8 @@ fn loss_uncertainty_of_a_rolling_ball_matches_a_second_set_of_random_draws() {
 }
 
 /// The power loss of a skidding ball depends on the boundary friction coefficient and the limiting
-/// shear stress. For these points, an independent program solved the full model with 25, 40 and 30
-/// draws. With raceway control, the interval would be 0.49 to 1.25 at all points.
+/// shear stress. For the tested points, an independent program solved the full model with 25, 40
+/// and 30 draws. With raceway control, the interval would be 0.49 to 1.25 at all points.
 #[test]
 fn loss_uncertainty_of_a_skidding_ball_matches_independent_random_draws() {
     let mut work = ModelWorkspace::default();
@@ -240,8 +240,9 @@ fn low_speed_leads_to_boundary_friction_and_smooth_surfaces_to_a_full_film() {
     assert!(film.nut.asperity_share < 1e-12 && film.nut.friction < 0.047, "{film:?}");
 }
 
-/// For balls without inertia, the power loss does not depend on whether screw or nut rotates. It
-/// depends on the direction of rotation only because friction changes the contact angles.
+/// For balls without inertia, the power loss does not depend on whether screw or nut rotates. The
+/// power loss depends on the direction of rotation only because friction changes the contact
+/// angles.
 #[test]
 fn screw_drive_and_nut_drive_have_equal_losses() {
     let light = |rpm: f64| {

@@ -41,8 +41,8 @@ pub struct RollingRoot<F: Real> {
 
 impl<F: Real> RollingRoot<F> {
     /// Solves for the state of the rolling ball by Newton's method, starting from equal contact
-    /// angles. The field `found` of the result is false if the root may not be the first root, or
-    /// if rounding errors could affect the controlling raceway or the loaded flank.
+    /// angles. The field `found` of the result is false if the root is not certainly the first
+    /// root, or if rounding errors could affect the controlling raceway or the loaded flank.
     ///
     /// * `control`: controlling raceway; `None` selects the raceway by criterion (W7).
     /// * `requested`: mask of the points to solve.

@@ -26,16 +26,16 @@ const NEWTON: LaneNewton = LaneNewton { step_tol: 1e-9, max_length: f64::INFINIT
 const MAX_CLOSURE_STEPS: usize = 60;
 
 /// Tolerance of the cotangent in the solution of (W13), relative to the cotangent of the unloaded
-/// contact angle (dimensionless). It corresponds to a few rounding errors.
+/// contact angle (dimensionless). The tolerance corresponds to a few rounding errors.
 const CLOSURE_TOL: f64 = 4.0 * f64::EPSILON;
 
 /// Maximum number of steps for calculating the upper bound (W18). Most points need two or three
-/// steps. Points that need more than the maximum are scanned for roots.
+/// steps. Points that need more steps are scanned for roots.
 const MAX_BOUND_STEPS: usize = 4;
 
 /// Tolerance of the cotangent in the solution of (W13) for an upper bound, relative to the
 /// cotangent of the unloaded contact angle (dimensionless). The bound is shifted by the tolerance,
-/// so it remains a bound.
+/// so it remains an upper bound.
 const BOUND_CLOSURE_TOL: f64 = 1e-3;
 
 /// Static force balance of a ball with a given controlling raceway.

@@ -8,8 +8,8 @@ use bsm_kin::{Real, RealOver};
 use crate::contact::{Sines, ideal_torque};
 use crate::models::ball::{BALL, is_in_range};
 
-/// A vector in the plane of the slip, with components along `$e_x$` (across the groove) and `$t$`
-/// (along the helix).
+/// A vector in the tangent plane of a contact, with components along `$e_x$` (across the groove)
+/// and `$t$` (along the helix).
 pub type Plane<D> = [D; 2];
 
 /// An operating point in scaled units, which are multiples of the ball radius, the axial load per
@@ -41,13 +41,15 @@ pub struct RigidBall<P = f64> {
     pub(super) inertia: P,
     /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub(super) nut_speed: P,
-    /// Length `$h$` of the projection of the screw axis onto the plane of the slip.
+    /// Length `$h$` of the projection of the screw axis onto the plane of `$e_x$` and `$t$`.
     pub(super) h: P,
     /// Reciprocal of the length `$h$`.
     pub(super) per_h: P,
-    /// Cosine `$\cos\psi$` of the direction `$\psi$` of the screw axis in the plane of the slip.
+    /// Cosine `$\cos\psi$` of the direction `$\psi$` of the screw axis in the plane of `$e_x$` and
+    /// `$t$`.
     pub(super) cos_psi: P,
-    /// Sine `$\sin\psi$` of the direction `$\psi$` of the screw axis in the plane of the slip.
+    /// Sine `$\sin\psi$` of the direction `$\psi$` of the screw axis in the plane of `$e_x$` and
+    /// `$t$`.
     pub(super) sin_psi: P,
 }
 
@@ -250,7 +252,7 @@ impl<P: Real> RigidBall<P> {
 }
 
 impl<F: Real> RigidBall<F> {
-    /// Returns the number `x` as a value that is equal at all points.
+    /// Converts the number `x` to the scalar type `F`, with the same value at all points.
     #[inline(always)]
     pub(super) fn constant(&self, x: f64) -> F {
         self.signed.constant(x)

@@ -117,7 +117,7 @@ impl RigidBall<f64> {
     }
 
     /// Returns the weights of the equations, calculated from the magnitudes of their terms at a
-    /// root (R44). They are suitable for any ratio of inertia forces to load.
+    /// root (R44). These weights are suitable for any ratio of inertia forces to load.
     ///
     /// * `load`: typical normal load in the unit of force, of the order of the axial load per ball.
     pub(super) fn own_weights(&self, motion: &RigidMotion<f64>, load: f64) -> [f64; BALL] {

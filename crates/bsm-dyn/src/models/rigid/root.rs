@@ -150,8 +150,9 @@ fn first_on(
     Some(Ok(BallRoot { alternatives, ..first }))
 }
 
-/// If the first-order solution excludes a root, returns the reason why no root exists. Inertia must
-/// be small, and the existence margin must be larger than the error of the first-order solution.
+/// Returns the reason why no root exists, or `None` if the first-order solution does not exclude a
+/// root. The solution excludes a root only if inertia is small and if the existence criterion is
+/// violated by more than the error of the solution.
 ///
 /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia force to friction force. The
 /// constant was determined by random tests: `tests/suite/rigid_campaign.rs` checks that roots

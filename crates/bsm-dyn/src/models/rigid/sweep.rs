@@ -153,7 +153,7 @@ impl<F: Real> RigidBall<F> {
         let along_a = dot(psi, e_a);
         let s = (friction_a - along_a) * self.per_h;
         let friction_b = dot(psi, e_b) + along_a - friction_a;
-        // Directions of the next sweep                                    (R31)
+        // Friction directions for the next sweep                          (R31)
         let inverse = (friction_a * friction_b).recip();
         let tan_a = cross(psi, e_a) * (inverse * friction_b);
         let tan_b = cross(psi, e_b) * (inverse * friction_a);

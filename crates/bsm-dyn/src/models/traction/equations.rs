@@ -96,8 +96,8 @@ pub(super) struct Lubrication<'a, P = f64> {
 pub(super) struct Evaluation<D = f64> {
     pub(super) residual: [D; BALL],
     pub(super) torque: D,
-    /// Sliding powers at nut and screw. They have no derivatives if they are calculated with the
-    /// vectorized sums over the contact ellipses.
+    /// Sliding powers at nut and screw. The powers have no derivatives if they are calculated with
+    /// the vectorized sums over the contact ellipses.
     pub(super) sliding: [D; 2],
     pub(super) rolling: [D; 2],
 }
@@ -349,7 +349,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     pub(super) fn loaded<D: Over<P>>(&self, y: &[D; BALL]) -> Result<BallLoads<D>, EvalError> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
         if self.uses_nut_angle {
-            // (Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/W, …)                     (T10)
+            // The unknowns are Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/W, …      (T10)
             self.contacts.loaded_by_nut_angle(loads, y[TILT])
         } else {
             self.contacts.loaded(loads, y[TILT])
@@ -429,8 +429,8 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// equations.
     ///
     /// If the nut speed is large compared with the relative speed, or if the ball almost sticks to
-    /// the nut, the difference is the nut speed. This avoids cancellation in the slip. Otherwise,
-    /// the difference is zero.
+    /// the nut, the difference is the nut speed. This choice avoids cancellation in the slip.
+    /// Otherwise, the difference is zero.
     #[inline(always)]
     pub(super) fn offset(&self) -> P {
         let nut = self.contacts.scaled.nut_speed;

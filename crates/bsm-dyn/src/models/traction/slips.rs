@@ -49,7 +49,8 @@ impl SlipBall<'_> {
         self.with_linear_slips(y, step, &next).unwrap_or(next)
     }
 
-    /// Returns the slips, rolling and spin for given unknowns, or `None` if a contact is lost.
+    /// Returns the slips along the grooves, the rotation about t and the spin for given unknowns,
+    /// or `None` if a contact is lost.
     fn slips<D: Over<f64>>(&self, y: &[D; BALL]) -> Option<Slips<D>> {
         let angles = self.loaded_angles(y, y[TILT].sin_cos())?;
         let motions = self.contact_motions(y, angles.contacts);

@@ -18,7 +18,7 @@ use crate::models::ball::unknown::{PRECESSION, TILT};
 use crate::models::ball::{BALL, to_both, variables};
 use crate::{Coulomb, Status, hertz::Quadrature};
 
-/// Returns a random extreme operating point for a given seed and a given number.
+/// Returns the random extreme operating point with a given number in the sequence of a given seed.
 fn random_extreme_point(seed: u64, number: u64) -> ElasticPoint {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);

@@ -338,8 +338,8 @@ impl TrainBall {
     /// Returns the motion at the precession rate of the ball train under a given force of the ball
     /// in front \[N\], or `None` if the solver finds no motion.
     ///
-    /// The force of the ball behind is part of the result. If it is negative, the ball behind would
-    /// have to pull.
+    /// The force of the ball behind is part of the result. If this force is negative, the ball
+    /// behind would have to pull.
     ///
     /// * `from`: known motion from which the solver starts.
     /// * `rate`: precession rate `$(P - \Omega_n)/W$` of the ball train.
