@@ -328,8 +328,8 @@ impl GothicBall {
         Ok(grooves.axial_force(&place))
     }
 
-    /// Returns the axial displacement of the nut beyond first contact \[m\] under an axial force
-    /// \[N\] without friction.
+    /// Returns the axial displacement \[m\] of the nut beyond first contact that results from an
+    /// axial force \[N\] without friction.
     ///
     /// # Errors
     ///

@@ -185,8 +185,8 @@ pub(crate) struct BallLoads<D> {
 }
 
 impl<P: Scalar> ElasticContacts<P> {
-    /// Changes the sign of a friction force or power if `$W$` is negative. This is necessary if the
-    /// force or power was calculated from the slip divided by `$W$`.
+    /// Changes the sign of a friction force or power if `$W$` is negative. The change of sign is
+    /// necessary if the force or power was calculated from the slip divided by `$W$`.
     pub(crate) fn signed<D: Over<P>>(&self, size: D) -> D {
         size * self.direction.sign()
     }

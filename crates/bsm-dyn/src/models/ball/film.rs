@@ -20,8 +20,8 @@ use crate::outcome::NoAnswer;
 /// Magnitude of the load exponent in the film thickness formula (Y7) (dimensionless).
 pub(crate) const FILM_LOAD_EXPONENT: f64 = 0.067;
 
-/// Constants of one lubricated contact in SI units, independent of load and speed. Storing them
-/// avoids repeated evaluation of powers.
+/// Constants of one lubricated contact in SI units, independent of load and speed. Storing these
+/// constants avoids repeated evaluation of powers.
 #[derive(Debug, Clone, Copy)]
 struct Gap<P> {
     /// Radius along the track `$R_x = 1/\rho_t$`.

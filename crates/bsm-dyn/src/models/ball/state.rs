@@ -265,8 +265,8 @@ fn loss_error(back: bool, efficiency: f64, bound: f64) -> f64 {
 pub struct ControllingRaceway {
     /// The controlling raceway.
     pub raceway: Control,
-    /// True if criterion (W7), evaluated for this solution, selects the same raceway; `None` if the
-    /// raceway was specified.
+    /// True if criterion (W7), evaluated for this solution, confirms the controlling raceway;
+    /// `None` if the raceway was specified.
     pub consistent: Option<bool>,
 }
 

@@ -314,8 +314,9 @@ where
 
     /// Estimates the first steady motion by continuation in inertia. Also returns a mask that is
     /// true if the motion was found, and the number of Newton steps. The continuation begins at a
-    /// steady motion on the straight part of the equilibrium curve. It stops if a step is long
-    /// compared with the scales of the coordinates or if the inertia does not increase.
+    /// steady motion on the straight part of the equilibrium curve. The continuation stops if a
+    /// step is long compared with the scales of the coordinates or if the inertia does not
+    /// increase.
     ///
     /// * `root`: value that `$\ln q$` would have at the root if the curve were straight.
     #[inline(always)]

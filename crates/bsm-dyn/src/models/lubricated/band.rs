@@ -25,8 +25,8 @@ pub struct LossInterval {
 /// Number of random draws per operating point.
 const DRAWS: u32 = 250;
 
-/// Accuracy of the friction integrals in each draw. A higher accuracy would be useless, because the
-/// limited number of [`DRAWS`] causes an error of about one percent in each quantile.
+/// Accuracy of the friction integrals in each draw. A higher accuracy would not improve the result,
+/// because the limited number of [`DRAWS`] causes an error of about one percent in each quantile.
 const ACCURACY: f64 = 1e-4;
 
 /// Ranges of the twelve uncertain inputs of the lubricant model.

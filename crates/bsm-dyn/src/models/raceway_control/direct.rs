@@ -107,8 +107,8 @@ impl<F: Real> RollingRoot<F> {
         found = found & at.has_ended & (is_screw_unique | by_nut | balance.is_first(at.x));
         let unique = is_screw_unique & (is_nut_unique | !by_nut);
 
-        // The result is valid only if criterion (W7), evaluated for this result, selects the same
-        // raceway.
+        // The result is valid only if criterion (W7), evaluated for this result, confirms the
+        // controlling raceway.
         let root = Self::checked(&balance, &at, found, unique);
         let excess = ball.nut_excess(&root.sides);
         let is_consistent = min_excess.lt(F::select(by_nut, excess, -excess));

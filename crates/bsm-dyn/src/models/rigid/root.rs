@@ -98,8 +98,8 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
     Err(unless_it_exists(ball, &first, NoAnswer::none(evidence, reason)))
 }
 
-/// Finds all roots on the branch at the actual inertia and returns the first root with the others
-/// as alternatives.
+/// Finds all roots on the branch at the actual inertia and returns the first root with the other
+/// roots as alternatives.
 ///
 /// # Errors
 ///

@@ -198,8 +198,8 @@ fn random_starts_find_no_second_root_if_the_inertia_limits_exclude_a_second_root
     assert!(10 * seen > 7 * points, "{seen} of {points}");
 }
 
-/// If the limits exclude a second root, there is no second root on the branch. This applies to
-/// practical and to extreme points.
+/// If the limits of inertia exclude a second root, there is no second root on the branch. The test
+/// covers practical and extreme points.
 #[test]
 fn branch_has_no_second_root_if_the_inertia_limits_exclude_a_second_root() {
     count_second_roots([4000, 2000].map(campaign));

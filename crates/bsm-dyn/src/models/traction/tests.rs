@@ -155,7 +155,7 @@ fn random_starts_rarely_find_a_root_at_many_points_reported_as_unsolvable() {
 
 /// A root in the unknowns (T1) is also a root in the unknowns for high centrifugal loads (T10).
 #[test]
-fn equations_have_the_same_roots_in_the_unknowns_for_low_and_for_high_centrifugal_load() {
+fn equations_have_the_same_roots_in_both_sets_of_unknowns() {
     let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::default());
     let mut seen = 0;
     for number in 0..60 {
@@ -313,8 +313,9 @@ fn equations_agree_with_force_and_moment_vectors() {
 #[test]
 fn jacobian_matches_finite_differences_of_the_residual() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
-    // The quadrature is so accurate that changes of its node counts hardly matter, and the creep
-    // speed is not much larger than the slip speeds.
+    // The quadrature is so accurate that changes of its node counts have little effect. The creep
+    // speed is of the order of the slip speeds, so friction is a smooth but nonlinear function of
+    // the slip.
     let (quadrature, creep) = (Quadrature::of(1e-12), 0.3);
     let mut seen = 0;
     for number in 0..60 {

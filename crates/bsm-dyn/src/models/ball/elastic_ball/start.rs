@@ -15,8 +15,8 @@ impl ElasticContacts {
     /// with an accuracy of two digits.
     ///
     /// For given axial and centrifugal forces, the force triangle leaves only one unknown: the
-    /// contact angle `$\beta_B$` at the screw. It is at least the unloaded contact angle. The
-    /// radial distance in (J7) decreases with `$\beta_B$`.
+    /// contact angle `$\beta_B$` at the screw. This angle is at least the unloaded contact angle.
+    /// The radial distance in (J7) decreases with `$\beta_B$`.
     pub(crate) fn static_balance(&self, rate: f64) -> [f64; 3] {
         let axial = self.helix.lead_angle.cos().recip();
         let centrifugal = self.inertia_ratio() * rate * rate / axial;
