@@ -126,8 +126,8 @@ impl Auto {
 }
 
 impl<const M: usize> Auto<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives with respect to the inputs. The choice
-    /// of the model depends only on the values of the inputs, not on their derivatives.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs. The
+    /// choice of the model depends only on the values of the inputs, not on their derivatives.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
@@ -176,7 +176,8 @@ impl<F: Real> ModelErrors<F> {
     /// * `back`: true if the load back-drives the screw.
     /// * `onset_number`, `cross_slip`: onset number and cross slip of the rolling ball. If they are
     ///   undefined (infinite or NaN), the error bounds are infinite or NaN, too.
-    /// * `cotangents`: cotangents of the contact angles of the rolling ball at nut and screw.
+    /// * `cotangents`: cotangents of the contact angles of the rolling ball at the nut and the
+    ///   screw.
     #[inline(always)]
     pub fn of(
         ball: &SlidingBall<F>,

@@ -51,9 +51,9 @@ struct GrossSlipState<D> {
     to_nut: Motion<D>,
     /// Absolute precession rate `$P/W$`.
     precession: D,
-    /// Slip velocities at nut and screw.
+    /// Slip velocities at the nut and the screw.
     slip: [Vector3<D>; 2],
-    /// Wrenches (force and moment) of nut and screw on the ball.
+    /// Wrenches (force and moment) of the nut and the screw on the ball.
     wrench: [Wrench<D>; 2],
 }
 
@@ -62,7 +62,7 @@ struct GrossSlipState<D> {
 struct GrossSlipEquations<'a, P = f64>(&'a ElasticContacts<P>);
 
 impl<P: Scalar> GrossSlipEquations<'_, P> {
-    /// Returns contacts, motion, slips and wrenches for given unknowns.
+    /// Returns the contacts, the motion, the slips and the wrenches for given unknowns.
     ///
     /// # Errors
     ///

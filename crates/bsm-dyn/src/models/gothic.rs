@@ -1,5 +1,5 @@
-//! One ball with up to four contacts in the gothic arches of nut and screw. The force balance of
-//! the ball includes friction.
+//! One ball with up to four contacts in the gothic arches of the nut and the screw. The force
+//! balance of the ball includes friction.
 //!
 //! Friction across the grooves moves the ball sideways. If the axial play is small, the ball then
 //! touches the far flank of one groove, which is the third contact.
@@ -77,7 +77,7 @@ pub struct GothicState {
     pub motion: Motion<f64>,
     /// Motion of the ball relative to the nut \[rad/s\].
     pub to_nut: Motion<f64>,
-    /// Relative speed `$W$` of screw and nut \[rad/s\].
+    /// Relative speed `$W$` of the screw and the nut \[rad/s\].
     pub relative_speed: f64,
     /// Axial force of the nut on the ball \[N\].
     pub axial_force: f64,
@@ -99,7 +99,8 @@ pub struct GothicState {
     root: Root,
 }
 
-/// Position of ball and nut \[m\], and motion of the ball relative to the nut, divided by `$|W|$`.
+/// Position of the ball and the nut \[m\], and motion of the ball relative to the nut, divided by
+/// `$|W|$`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Root {
     place: [f64; PLACE],
@@ -170,7 +171,7 @@ impl<D: Scalar> GothicBall<D> {
         self.at.fitted(self.fit.radial_gap, self.fit.oversize)
     }
 
-    /// Returns the radii of the deformed contact surfaces at nut and screw \[m\].
+    /// Returns the radii of the deformed contact surfaces at the nut and the screw \[m\].
     fn pressed_radii(&self) -> [D; 2] {
         let (nut, screw) = self.at.conformity;
         [nut, screw].map(|conformity| pressed_radius(conformity, self.at.point.ball.radius))
@@ -186,8 +187,8 @@ impl GothicBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the grooves cannot carry the axial force, if screw and nut have no
-    /// relative speed, if a friction coefficient is not positive, or if no root is found.
+    /// Returns [`NoAnswer`] if the grooves cannot carry the axial force, if the screw and the nut
+    /// have no relative speed, if a friction coefficient is not positive, or if no root is found.
     pub fn solve(
         &self,
         condition: AxialCondition,
@@ -250,8 +251,8 @@ impl GothicBall {
         Some(self.root_of(&grooves, two_contacts)?.far_gap(&grooves))
     }
 
-    /// Checks that the friction coefficients are positive and that nut and screw have a relative
-    /// speed.
+    /// Checks that the friction coefficients are positive and that the nut and the screw have a
+    /// relative speed.
     fn check(&self) -> Result<(), NoAnswer> {
         self.at.point.require_friction()?;
         if self.far_friction.0.is_nan() || self.far_friction.0 <= 0.0 {
@@ -367,7 +368,7 @@ impl GothicBall {
         traction.solve(work).solved().copied()
     }
 
-    /// Returns position and motion of the ball for a steady state with two contacts.
+    /// Returns the position and the motion of the ball for a steady state with two contacts.
     fn root_of(&self, grooves: &Grooves, found: &BallState) -> Option<Root> {
         let [nut, screw] = [&found.nut, &found.screw];
         let [at_nut, at_screw] = [nut.pressed?.approach, screw.pressed?.approach];
@@ -602,7 +603,7 @@ fn threshold_play(grooves: &Grooves, found: &SteadyState) -> Option<f64> {
 }
 
 impl<const M: usize> GothicBall<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives with respect to the inputs.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut GothicWorkspace,
@@ -615,8 +616,8 @@ impl<const M: usize> GothicBall<Jet<M>> {
         Traction { at, accuracy, creep }.sensitivities(&mut work.traction)
     }
 
-    /// Returns efficiency and torque with their derivatives with respect to the inputs, for a root
-    /// with a third contact.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs, for
+    /// a root with a third contact.
     fn third_contact_slopes(
         &self,
         ball: &GothicBall,
@@ -810,7 +811,7 @@ impl Search<'_> {
     ) -> Result<Found, NoAnswer> {
         let sign = balance.at.point.drive.relative_speed().signum();
         // At the start, the ball precesses at half the speed of the screw and rolls about b,
-        // because the raceways of nut and screw are on opposite sides of the ball.
+        // because the raceways of the nut and the screw are on opposite sides of the ball.
         let motion = [0.5 * sign, 0.0, 0.0, -0.5 * sign * balance.turning()];
         let mut y = from_fn(|i| match i {
             0..PLACE => at_rest[i] / balance.units.1,

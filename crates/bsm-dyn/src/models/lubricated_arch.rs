@@ -99,8 +99,8 @@ impl LubricatedArch {
 }
 
 impl<const M: usize> LubricatedArch<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives with respect to the inputs. Balls with
-    /// a third contact are rejected.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs.
+    /// Balls with a third contact are rejected.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,

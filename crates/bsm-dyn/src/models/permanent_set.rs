@@ -12,7 +12,7 @@ use crate::contact::{Curvatures, Hertz};
 use crate::models::ball::{ElasticPoint, NoAnswer, Reason, Workspace, domain_error, equations};
 
 /// Loads and contact angles that include permanent deformation. Arrays with two elements contain
-/// the values at nut and screw.
+/// the values at the nut and the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PermanentSet {
     /// Normal loads \[N\].
@@ -36,10 +36,10 @@ impl ElasticPoint {
     /// Calculates the loads and contact angles that result if the permanent approach (H12) is added
     /// to the elastic approach; see (M1) to (M3).
     ///
-    /// * `loads`, `angles`: normal loads \[N\] and contact angles \[rad\] at nut and screw, from a
-    ///   model without permanent deformation.
+    /// * `loads`, `angles`: normal loads \[N\] and contact angles \[rad\] at the nut and the screw,
+    ///   from a model without permanent deformation.
     ///
-    /// Assumes: friction and inertia forces on the ball stay unchanged.
+    /// Assumes: friction and inertia forces on the ball remain unchanged.
     ///
     /// # Errors
     ///
@@ -55,7 +55,7 @@ impl ElasticPoint {
         let hertz = self.hertz().map_err(invalid)?;
         let curvatures = self.curvatures();
         let [nut_offset, screw_offset] = self.grooves().map(|g| g.offset(self.point.ball.radius));
-        // Q sinβ = S and Q_A cosβ_A − Q_B cosβ_B = C stay unchanged       (M1)
+        // Q sinβ = S and Q_A cosβ_A − Q_B cosβ_B = C remain unchanged     (M1)
         let axial = [0, 1].map(|i| loads[i] * angles[i].sin());
         let radial = loads[0] * angles[0].cos() - loads[1] * angles[1].cos();
         let closure = RadialClosure {
@@ -101,7 +101,8 @@ struct RadialClosure {
 }
 
 impl RadialClosure {
-    /// Returns the normal loads \[N\] and the cotangents of the contact angles at nut and screw.
+    /// Returns the normal loads \[N\] and the cotangents of the contact angles at the nut and the
+    /// screw.
     ///
     /// # Errors
     ///
@@ -123,7 +124,7 @@ impl RadialClosure {
         })
     }
 
-    /// Returns the elastic and the permanent approaches at nut and screw \[m\].
+    /// Returns the elastic and the permanent approaches at the nut and the screw \[m\].
     fn approaches<D: Scalar>(&self, loads: [D; 2]) -> [[D; 2]; 2] {
         let elastic = |i: usize| self.hertz[i].approach(loads[i]);
         let unit = |i: usize| self.curvatures[i].permanent_approach(1.0, self.ball_radius);

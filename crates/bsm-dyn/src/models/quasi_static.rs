@@ -37,7 +37,7 @@ pub enum DrivenBody {
     Screw,
     /// Only the nut rotates.
     Nut,
-    /// Both screw and nut rotate. The quasi-static equations do not cover this case.
+    /// Both the screw and the nut rotate. The quasi-static equations do not cover this case.
     Both,
 }
 
@@ -45,7 +45,7 @@ pub enum DrivenBody {
 /// the load back-drives the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct TwoContacts<D: Real> {
-    /// Sines and cosines of lead angle and contact angle.
+    /// Sines and cosines of the lead angle and the contact angle.
     pub sines: Sines<D>,
     /// Signed friction coefficient `$f$`.
     pub friction: D,

@@ -154,7 +154,7 @@ impl RollingBall {
         Self { control, unknowns, loaded, to_nut, steps, residual, is_unique: false }
     }
 
-    /// Returns the loaded contacts at nut and screw.
+    /// Returns the loaded contacts at the nut and the screw.
     fn sides(&self, contacts: &ElasticContacts) -> [LoadedContact<f64>; 2] {
         let BallLoads { loads, angles, .. } = &self.loaded;
         from_fn(|i| {
@@ -551,7 +551,7 @@ mod tests {
         let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);
         while solved < 6000 {
             let mut screw = random_extreme_screw(&mut rng);
-            // Every second point has equal conformities, for which the two sides of (W7) are nearly
+            // Every other point has equal conformities, for which the two sides of (W7) are nearly
             // equal.
             if solved % 2 == 0 {
                 screw.conformity.1 = screw.conformity.0;

@@ -55,8 +55,8 @@ impl<D: Scalar> ElasticPoint<D> {
 }
 
 impl<D: Scalar> StaticBall<D> {
-    /// Returns load, energy and forces for a displacement of the nut groove relative to the screw
-    /// groove (J10) to (J13).
+    /// Returns the load, the energy and the forces for a displacement of the nut groove relative to
+    /// the screw groove (J10) to (J13).
     ///
     /// The elastic energy is a convex function of the displacement.
     ///

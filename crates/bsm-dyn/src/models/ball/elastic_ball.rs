@@ -31,14 +31,14 @@ use crate::outcome::{Direction, NoAnswer, Reason};
 pub struct ElasticPoint<D = f64> {
     /// Geometry, friction, speeds and load.
     pub point: OperatingPoint<D>,
-    /// Conformities of nut and screw: ratios of groove radius to ball diameter, above 1/2.
+    /// Conformities of the nut and the screw: ratios of groove radius to ball diameter, above 1/2.
     pub conformity: (D, D),
     /// Elastic constants of the raceways and of the ball.
     pub material: (Material<D>, Material<D>),
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Returns the Hertz contacts at nut and screw.
+    /// Returns the Hertz contacts at the nut and the screw.
     ///
     /// # Errors
     ///
@@ -49,7 +49,7 @@ impl<D: Scalar> ElasticPoint<D> {
         Hertz::side_by_side(&self.curvatures(), modulus)
     }
 
-    /// Returns the relative curvatures at nut and screw \[1/m\].
+    /// Returns the relative curvatures at the nut and the screw \[1/m\].
     pub(crate) fn curvatures(&self) -> [Curvatures<D>; 2] {
         let (r_m, r_b) = (self.point.helix.radius, self.point.ball.radius);
         let (lead, beta) = (self.point.helix.lead_angle, self.point.contact_angle);
@@ -58,7 +58,7 @@ impl<D: Scalar> ElasticPoint<D> {
 
     /// Returns the operating point for a ball with a different radius and with a radial gap between
     /// the grooves. The contact angle at first contact changes accordingly (U34); the groove radii
-    /// stay unchanged.
+    /// remain unchanged.
     ///
     /// * `radial_gap`: radial gap between nut and screw grooves \[m\].
     /// * `oversize`: excess of the ball radius over the nominal radius \[m\].
@@ -157,7 +157,7 @@ pub(crate) struct ElasticContacts<P = f64> {
     pub(crate) friction: P,
     /// Direction of the drive, which determines the sign of `$W$`.
     pub(crate) direction: Direction,
-    /// Hertz contacts at nut and screw, in SI units.
+    /// Hertz contacts at the nut and the screw, in SI units.
     pub(crate) hertz: [Hertz<P>; 2],
 }
 
@@ -170,15 +170,15 @@ pub(crate) fn to_both<D: Scalar>(to_nut: &Motion<D>, frame: &BallFrame<D>) -> [M
 /// Both contacts of a ball for given loads and tilt, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BallLoads<D> {
-    /// Normal loads at nut and screw.
+    /// Normal loads at the nut and the screw.
     pub(crate) loads: [D; 2],
     /// Half the difference between the contact angles at screw and nut \[rad\].
     pub(crate) tilt: D,
-    /// Contact angles at nut and screw \[rad\].
+    /// Contact angles at the nut and the screw \[rad\].
     pub(crate) angles: [D; 2],
     /// Triad rotated to the mean contact normal, or to the contact normal at the nut (P8).
     pub(crate) frame: BallFrame<D>,
-    /// Contacts at nut and screw.
+    /// Contacts at the nut and the screw.
     pub(crate) contacts: [Contact<D>; 2],
     /// Axial displacement of the nut in scaled units.
     pub(crate) displacement: D,
@@ -209,8 +209,8 @@ impl<P: Scalar> ElasticContacts<P> {
         from_fn(|i| self.approach_of(i, loads[i]))
     }
 
-    /// Returns the elastic approach at nut (0) or screw (1) in units of the ball radius, for a load
-    /// in units of the axial load per ball (P2).
+    /// Returns the elastic approach at the nut (0) or the screw (1) in units of the ball radius,
+    /// for a load in units of the axial load per ball (P2).
     pub(crate) fn approach_of<D: Over<P>>(&self, i: usize, load: D) -> D {
         load.cbrt().square() * self.scaled.approaches[i]
     }
@@ -256,8 +256,8 @@ impl<P: Scalar> ElasticContacts<P> {
         Ok(BallLoads { loads, tilt, angles, frame, contacts, displacement })
     }
 
-    /// Returns the groove geometry and the elastic approaches for the given loads at nut and screw
-    /// (P2).
+    /// Returns the groove geometry and the elastic approaches for the given loads at the nut and
+    /// the screw (P2).
     fn pressed<D: Over<P>>(&self, loads: [D; 2]) -> Result<(Jones<D>, [D; 2]), EvalError> {
         let least = loads[0].re().min(loads[1].re());
         if least.is_nan() || least <= 0.0 {
@@ -286,7 +286,7 @@ impl<P: Scalar> ElasticContacts<P> {
     /// the triad (t, N, e_x) of the loaded contacts, and axial force balance of the nut.
     ///
     /// * `motion`: absolute motion of the ball.
-    /// * `wrenches`: forces and moments that nut and screw exert on the ball.
+    /// * `wrenches`: forces and moments that the nut and the screw exert on the ball.
     pub(crate) fn balance<D: Over<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -301,8 +301,8 @@ impl<P: Scalar> ElasticContacts<P> {
         ball_unknowns::rows(&residual, axial_force(&nut.force, &loaded.frame) - 1.0)
     }
 
-    /// Returns the friction powers of the contact ellipses at nut and screw, divided by `$W$`, for
-    /// a motion relative to the nut (P7).
+    /// Returns the friction powers of the contact ellipses at the nut and the screw, divided by
+    /// `$W$`, for a motion relative to the nut (P7).
     pub(crate) fn friction_powers<D: Integrate<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -316,8 +316,8 @@ impl<P: Scalar> ElasticContacts<P> {
         from_fn(|i| loaded.loads[i] * self.directed_friction() * powers[i])
     }
 
-    /// Returns the friction powers at nut and screw that would result with a friction coefficient
-    /// of one.
+    /// Returns the friction powers at the nut and the screw that would result with a friction
+    /// coefficient of one.
     pub(crate) fn unit_powers<D: Integrate<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -347,7 +347,7 @@ impl<P: Scalar> ElasticContacts<P> {
         )
     }
 
-    /// Creates the contact patches at nut and screw over which friction is integrated (P6).
+    /// Creates the contact patches at the nut and the screw over which friction is integrated (P6).
     ///
     /// * `motions`: motions of the ball relative to the raceways.
     pub(crate) fn patches<D: Over<P>>(
@@ -362,7 +362,7 @@ impl<P: Scalar> ElasticContacts<P> {
         })
     }
 
-    /// Returns the loaded contact ellipse at nut (0) or screw (1) (P6).
+    /// Returns the loaded contact ellipse at the nut (0) or the screw (1) (P6).
     pub(crate) fn ellipse<D: Over<P>>(&self, i: usize, loaded: &BallLoads<D>) -> Ellipse<D, P> {
         // a ~ Q^{1/3}                                                     (P6)
         let (load, (a, b)) = (loaded.loads[i], self.scaled.semi_axes[i]);
@@ -378,7 +378,8 @@ impl<P: Scalar> ElasticContacts<P> {
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Calculates efficiency and torque from the scaled force and moment of the screw on the ball.
+    /// Calculates the efficiency and the torque from the scaled force and moment of the screw on
+    /// the ball.
     pub(crate) fn transmitted(
         &self,
         contacts: &ElasticContacts<D>,
@@ -388,7 +389,7 @@ impl<D: Scalar> ElasticPoint<D> {
         self.transmitted_torque(contacts, torque(screw, contacts.helix.radius, frame))
     }
 
-    /// Calculates efficiency and torque from the scaled torque on the screw.
+    /// Calculates the efficiency and the torque from the scaled torque on the screw.
     pub(crate) fn transmitted_torque(
         &self,
         contacts: &ElasticContacts<D>,
@@ -442,8 +443,8 @@ impl ElasticPoint {
         Ok(motion.state(scaled, sides, loaded.displacement, &units))
     }
 
-    /// Calculates torque, efficiency and powers from the scaled torque on the screw, and checks the
-    /// power balance.
+    /// Calculates the torque, the efficiency and the powers from the scaled torque on the screw,
+    /// and checks the power balance.
     ///
     /// * `friction_power`: scaled friction power, divided by `$W$`.
     ///

@@ -95,11 +95,11 @@ pub struct ScaledFilm<D> {
 }
 
 impl<P: Real> EhlPoint<P> {
-    /// Creates the lubrication data for the contacts at nut and screw.
+    /// Creates the lubrication data for the contacts at the nut and the screw.
     ///
     /// * `kelvin`: temperature of the oil \[K\].
-    /// * `curvatures`: relative curvatures at nut and screw \[1/m\].
-    /// * `hertz`: Hertz contacts at nut and screw, for loads in N.
+    /// * `curvatures`: relative curvatures at the nut and the screw \[1/m\].
+    /// * `hertz`: Hertz contacts at the nut and the screw, for loads in N.
     /// * `modulus`: contact modulus `$E^*$` \[Pa\].
     #[inline(always)]
     pub fn of(
@@ -216,10 +216,10 @@ impl<F: Real> FilmLoss<F> {
 }
 
 impl<F: Real> EhlPoint<F> {
-    /// Returns the state of the oil films at nut and screw with the power losses of all balls, in
-    /// SI units.
+    /// Returns the state of the oil films at the nut and the screw with the power losses of all
+    /// balls, in SI units.
     ///
-    /// * `losses`: oil films and power losses of the contacts at nut and screw.
+    /// * `losses`: oil films and power losses of the contacts at the nut and the screw.
     /// * `(unit, balls)`: unit of power for all balls \[W\], and number of balls.
     /// * `outside`: power losses outside the contacts \[W\].
     /// * `(back, tan_a, efficiency)`: mask that is true if the load back-drives the screw, tangent
@@ -307,7 +307,7 @@ fn catalog_friction<F: Real>(back: F::Mask, tan: F, efficiency: F) -> F {
 }
 
 impl EhlPoint {
-    /// Returns the dimensionless load parameter `$M$` at nut (0) or screw (1) (Y17).
+    /// Returns the dimensionless load parameter `$M$` at the nut (0) or the screw (1) (Y17).
     ///
     /// * `load`: normal load in scaled units.
     pub(crate) fn elasticity(&self, i: usize, load: f64, film: &ScaledFilm<f64>) -> f64 {
@@ -316,7 +316,8 @@ impl EhlPoint {
         gap.elasticity(root, load * self.units.load * gap.weight)
     }
 
-    /// Returns the ratio of minimum to central film thickness at nut (0) or screw (1) (Y36).
+    /// Returns the ratio of minimum to central film thickness at the nut (0) or the screw (1)
+    /// (Y36).
     ///
     /// * `load`: normal load in scaled units.
     ///
@@ -444,7 +445,7 @@ pub(crate) struct EhlLoss<D> {
 }
 
 impl<P: Scalar> EhlPoint<P> {
-    /// Calculates films, friction and rolling resistance at nut and screw.
+    /// Calculates the oil films, the friction and the rolling resistance at the nut and the screw.
     ///
     /// * `motions`: motions of the ball relative to the raceways.
     pub(crate) fn losses<D: Integrate<P>>(
@@ -467,9 +468,9 @@ impl<P: Scalar> EhlPoint<P> {
         })
     }
 
-    /// Calculates film, sliding power and rolling resistance with a single friction coefficient for
-    /// the whole contact, evaluated at the load-weighted means of pressure and slip speed (Y23).
-    /// The returned wrench does not include friction.
+    /// Calculates the oil film, the sliding power and the rolling resistance with a single friction
+    /// coefficient for the whole contact, evaluated at the load-weighted means of pressure and slip
+    /// speed (Y23). The returned wrench does not include friction.
     ///
     /// * `unit`: sliding power for a friction coefficient of one, divided by `$W$`.
     pub(crate) fn mean_loss<D: Over<P>>(
@@ -485,8 +486,8 @@ impl<P: Scalar> EhlPoint<P> {
         EhlLoss { sliding: mean * unit, ..loss }
     }
 
-    /// Calculates film and rolling resistance for a given sliding power. The returned wrench does
-    /// not include friction.
+    /// Calculates the oil film and the rolling resistance for a given sliding power. The returned
+    /// wrench does not include friction.
     ///
     /// * `sliding`: sliding power divided by `$W$`.
     pub(crate) fn loss_of<D: Over<P>>(
@@ -506,8 +507,8 @@ impl<P: Scalar> EhlPoint<P> {
         EhlLoss { film, wrench: wrench * contacts.signed(D::from(1.0)), sliding, rolling }
     }
 
-    /// Returns the oil film at nut (0) or screw (1), the direction `$t \times N$`, and the angular
-    /// velocity about this direction.
+    /// Returns the oil film at the nut (0) or the screw (1), the direction `$t \times N$`, and the
+    /// angular velocity about this direction.
     fn film_at<D: Over<P>>(
         &self,
         i: usize,
@@ -578,7 +579,7 @@ impl LubricatedWorkspace {
 pub(crate) struct LubricatedState<D = f64> {
     pub(crate) loaded: BallLoads<D>,
     pub(crate) to_nut: Motion<D>,
-    /// Losses of the contacts at nut and screw.
+    /// Losses of the contacts at the nut and the screw.
     pub(crate) losses: [EhlLoss<D>; 2],
     /// Torque of the contacts on the screw \[N·m\].
     pub(crate) torque: D,
@@ -588,7 +589,8 @@ pub(crate) struct LubricatedState<D = f64> {
 pub(crate) struct SteadyRoot {
     pub(crate) contacts: ElasticContacts,
     pub(crate) steady: LubricatedState,
-    /// Sliding powers at nut and screw that would result with a friction coefficient of one.
+    /// Sliding powers at the nut and the screw that would result with a friction coefficient of
+    /// one.
     pub(crate) unit: [f64; 2],
     pub(crate) skid: SkidNumbers,
     pub(crate) info: SolveInfo,
@@ -599,8 +601,8 @@ pub(crate) struct SteadyRoot {
 
 impl EhlPoint {
     /// Returns the friction coefficient that would result if the oil reached its limiting shear
-    /// stress everywhere in the contact. The result is the larger of the coefficients at nut and
-    /// screw.
+    /// stress everywhere in the contact. The result is the larger of the coefficients at the nut
+    /// and the screw.
     pub(crate) fn friction_scale(
         &self,
         contacts: &ElasticContacts,

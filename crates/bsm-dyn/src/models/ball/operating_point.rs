@@ -52,7 +52,7 @@ pub struct OperatingPoint<D = f64> {
     /// Friction coefficient, which must be positive for models whose force balance includes
     /// friction.
     pub friction: Coulomb<D>,
-    /// Angular speeds of screw and nut.
+    /// Angular speeds of the screw and the nut.
     pub drive: Drive<D>,
     /// External load on the balls.
     pub load: Load<D>,
@@ -92,8 +92,8 @@ impl<F: Real> AnswerUnits<F> {
         self.speed.lt(self.speed.constant(0.0))
     }
 
-    /// Returns efficiency, torque and powers, together with the relative error of the power
-    /// balance.
+    /// Returns the efficiency, the torque and the powers, together with the relative error of the
+    /// power balance.
     ///
     /// * `ideal`: torque of the frictionless screw \[N·m\].
     /// * `torque`: scaled torque on the screw.
@@ -143,7 +143,7 @@ impl<D: Scalar> OperatingPoint<D> {
     ///
     /// # Errors
     ///
-    /// Returns [`Reason::NoRelativeSpeed`] if nut and screw turn at the same speed, and
+    /// Returns [`Reason::NoRelativeSpeed`] if the nut and the screw turn at the same speed, and
     /// [`Reason::InertiaOutOfRange`] if the inertia ratio is too small or too large.
     pub(crate) fn in_own_units(&self) -> Result<BallUnits<D>, NoAnswer> {
         let Self { helix, ball, drive, load, .. } = self;

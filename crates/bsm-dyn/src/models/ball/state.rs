@@ -168,13 +168,13 @@ pub struct SteadyState<F: Real = f64> {
     pub control: Option<ControllingRaceway>,
     /// Other admissible solutions; `None` if the model did not search for them.
     pub alternatives: Option<Alternatives>,
-    /// Error bounds of efficiency and power loss. For the model `traction`, these bounds limit the
-    /// quadrature error; for the model `auto`, they limit the difference from `traction`.
+    /// Error bounds of the efficiency and the power loss. For the model `traction`, these bounds
+    /// limit the quadrature error; for the model `auto`, they limit the difference from `traction`.
     pub error: Option<ErrorBound<F>>,
     /// Oil films of a lubricated ball; `None` for a constant friction coefficient.
     pub film: Option<FilmState<F>>,
-    /// Friction powers of all balls at nut and screw \[W\]; available only for raceway control,
-    /// lubricated balls, and balls that touch a far flank.
+    /// Friction powers of all balls at the nut and the screw \[W\]; available only for raceway
+    /// control, lubricated balls, and balls that touch a far flank.
     pub contact_power: Option<[F; 2]>,
     /// State of the far flanks; `None` if no axial play is given.
     pub far_flank: Option<FarFlank<F>>,
@@ -225,8 +225,8 @@ pub(crate) fn integrated_error(by_quadrature: f64, efficiency: f64, by_creep: f6
 
 /// Returns the relative effect of the creep speed on the friction power, limited to 1 (A8).
 ///
-/// * `friction_forces`: friction forces `$f Q$` at nut and screw.
-/// * `sliding`: friction powers at nut and screw.
+/// * `friction_forces`: friction forces `$f Q$` at the nut and the screw.
+/// * `sliding`: friction powers at the nut and the screw.
 pub(crate) fn creep_effect(creep: f64, friction_forces: [f64; 2], sliding: [f64; 2]) -> f64 {
     // |δP_f|/P_f ≤ 4 v_e² Σ (f Q)²/P_f,j / Σ P_f,j                        (A8)
     let [nut, screw] = friction_forces;
@@ -349,7 +349,7 @@ impl<F> ContactState<F> {
 }
 
 impl<F: Real> Transmission<F> {
-    /// Calculates efficiency and powers from the torque on the screw.
+    /// Calculates the efficiency and the powers from the torque on the screw.
     ///
     /// * `back`: true if the load back-drives the screw.
     /// * `ideal`: torque of the frictionless screw \[N·m\].

@@ -10,8 +10,8 @@ use crate::cost;
 use crate::models::ball::{ElasticContacts, ScaledBall};
 
 /// A ball that slides at both contacts, in scaled units (multiples of the ball radius, the axial
-/// load per ball and the relative speed). Arrays with two elements contain the values at nut and
-/// screw.
+/// load per ball and the relative speed). Arrays with two elements contain the values at the nut
+/// and the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingBall<P> {
     /// Friction coefficient with the sign of the relative speed, `$F = f\,\mathrm{sign} W$`.
@@ -28,7 +28,7 @@ pub struct SlidingBall<P> {
     pub inertia_ratio: P,
     /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub nut_speed: P,
-    /// Distances `$l_0$` between arc center and ball center at first contact.
+    /// Distances `$l_0$` between the arc center and the ball center at first contact.
     pub offsets: [P; 2],
     /// Hertz approaches under a normal load that equals the axial load per ball.
     pub approaches: [P; 2],
@@ -36,7 +36,8 @@ pub struct SlidingBall<P> {
     pub radial_distance: P,
 }
 
-/// Forces on a ball in equilibrium. Arrays with two elements contain the values at nut and screw.
+/// Forces on a ball in equilibrium. Arrays with two elements contain the values at the nut and the
+/// screw.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingState<D> {
     /// Cotangents `$x$` of the slip angles.
@@ -59,8 +60,8 @@ pub struct SlidingState<D> {
 /// Motion of a ball whose forces are in equilibrium.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingMotion<D> {
-    /// Slip speeds at nut and screw, divided by `$r_b|W|$`; positive if the slip is opposite to
-    /// friction.
+    /// Slip speeds at the nut and the screw, divided by `$r_b|W|$`; positive if the slip is
+    /// opposite to friction.
     pub slip: [D; 2],
     /// Gyroscopic factor `$1 - g$` of (S26).
     pub inertia: D,
@@ -139,7 +140,8 @@ impl<F: Real> SlidingBall<F> {
         F::select(carried, sines.efficiency(back, friction), zero)
     }
 
-    /// Returns sines and cosines of the lead angle and of the contact angle with the given cosine.
+    /// Returns the sines and cosines of the lead angle and of the contact angle with the given
+    /// cosine.
     #[inline(always)]
     fn at_angle(&self, cos_b: F) -> Sines<F> {
         let sin_b = ((-cos_b + 1.0) * (cos_b + 1.0)).sqrt();

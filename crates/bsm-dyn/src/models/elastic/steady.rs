@@ -261,8 +261,9 @@ where
     pub(super) fn first(&self, start: &CurveState<F>, any: bool) -> SlidingRoot<F> {
         let (zero, one, scale) =
             (self.friction.constant(0.0), self.friction.constant(1.0), start.scale(self));
-        // On a straight curve, M is proportional to q. If the speeds of nut and screw are nearly
-        // equal, the inertia at the beginning of the curve underflows, but its logarithm does not.
+        // On a straight curve, M is proportional to q. If the speeds of the nut and the screw are
+        // nearly equal, the inertia at the beginning of the curve underflows, but its logarithm
+        // does not.
         let root = self.inertia_ratio.ln() - start.at.log_inertia() + LOG_NO_INERTIA;
         let inside = start.found & root.lt(one * START_DISTANCE) & root.gt(one * LOG_NO_INERTIA);
         let (mut guess, mut expected) = ([root, start.point[1], start.point[2]], inside);
@@ -531,8 +532,8 @@ impl<F: Real> SlidingRoot<F> {
         self.rate - self.ball.nut_speed
     }
 
-    /// Returns the friction forces on the ball at nut and screw, divided by `$F_a$`. Each force has
-    /// a component across the groove and a component along the groove.
+    /// Returns the friction forces on the ball at the nut and the screw, divided by `$F_a$`. Each
+    /// force has a component across the groove and a component along the groove.
     #[inline(always)]
     pub fn friction(&self) -> [[F; 2]; 2] {
         let SlidingState { slip_cotangents: [x_a, x_b], push, .. } = self.at.state;

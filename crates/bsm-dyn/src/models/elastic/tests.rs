@@ -224,8 +224,8 @@ fn precession_of_a_root_matches_its_centrifugal_force() {
     }
 }
 
-/// If nut and screw rotate at nearly equal speeds, the inertia ratio on the equilibrium curve
-/// underflows. An earlier version found no solution in this case.
+/// If the nut and the screw rotate at nearly equal speeds, the inertia ratio on the equilibrium
+/// curve underflows. An earlier version found no solution in this case.
 #[test]
 fn solution_exists_if_nut_and_screw_rotate_at_nearly_equal_speeds() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);

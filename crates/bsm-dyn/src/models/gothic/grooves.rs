@@ -1,5 +1,5 @@
-//! Gothic arches of nut and screw around one ball: arc centers, elastic approaches and normal
-//! loads.
+//! Gothic arches of the nut and the screw around one ball: arc centers, elastic approaches and
+//! normal loads.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC1) to (AC4).
 
@@ -39,18 +39,18 @@ pub enum AxialCondition<D = f64> {
     Displacement(D),
 }
 
-/// The gothic arches of nut and screw around a ball, in SI units.
+/// The gothic arches of the nut and the screw around a ball, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grooves<D = f64> {
-    /// Distances `$l_0$` from the arc centers to the ball center at first contact, at nut and
-    /// screw.
+    /// Distances `$l_0$` from the arc centers to the ball center at first contact, at the nut and
+    /// the screw.
     pub offsets: [D; 2],
-    /// Hertz stiffness of the contacts at nut and screw \[N/m^1.5\].
+    /// Hertz stiffness of the contacts at the nut and the screw \[N/m^1.5\].
     pub stiffness: [D; 2],
     radial_gap: D,
     pub(super) oversize: D,
-    /// Distances `$l_0\sin\beta_0$` between arc center and ball center along the binormal, at nut
-    /// and screw.
+    /// Distances `$l_0\sin\beta_0$` between the arc center and the ball center along the binormal,
+    /// at the nut and the screw.
     across: [D; 2],
     /// Distances `$y$` of the arc centers from the pitch circle.
     outward: [D; 2],
@@ -115,7 +115,7 @@ impl<P: Scalar> Grooves<P> {
     }
 
     /// Returns the gothic arches with a different ball radius and with a radial gap. The contact
-    /// stiffness stays unchanged.
+    /// stiffness remains unchanged.
     #[must_use]
     pub fn fitted(&self, radial_gap: P, oversize: P) -> Self {
         Self { radial_gap, oversize, ..*self }
@@ -138,7 +138,7 @@ impl<P: Scalar> Grooves<P> {
         }
     }
 
-    /// Creates the gothic arches of nut and screw around a ball with the given fit.
+    /// Creates the gothic arches of the nut and the screw around a ball with the given fit.
     ///
     /// # Errors
     ///
@@ -167,27 +167,27 @@ impl<P: Scalar> Grooves<P> {
         Ok(grooves)
     }
 
-    /// Returns the distance `$L$` \[m\] between the arc centers of the + flanks of nut and screw at
-    /// first contact. The − flanks have the same distance.
+    /// Returns the distance `$L$` \[m\] between the arc centers of the + flanks of the nut and the
+    /// screw at first contact. The − flanks have the same distance.
     fn diagonal(&self) -> P {
         self.offsets[0] + self.offsets[1] - self.oversize * 2.0
     }
 
     /// Returns the component along the principal normal of the distance \[m\] between the arc
-    /// centers of the + flanks of nut and screw.
+    /// centers of the + flanks of the nut and the screw.
     fn height(&self) -> P {
         self.outward[0] + self.outward[1] - self.radial_gap
     }
 
-    /// Returns the distance `$e$` of the arc center of nut (0) or screw (1) from the middle of the
-    /// groove \[m\].
+    /// Returns the distance `$e$` of the arc center of the nut (0) or the screw (1) from the middle
+    /// of the groove \[m\].
     #[inline(always)]
     fn center(&self, body: usize) -> P {
         self.across[body] - self.shift
     }
 
-    /// Calculates approach and normal at one flank for a given position of ball and nut \[m\]
-    /// (AC4).
+    /// Calculates the approach and the normal at one flank for a given position of the ball and the
+    /// nut \[m\] (AC4).
     #[inline(always)]
     pub fn flank<D: Over<P>>(
         &self,
@@ -233,7 +233,7 @@ impl<P: Scalar> Grooves<P> {
 
 impl Grooves {
     /// Returns the component along the binormal of the distance \[m\] between the arc centers of
-    /// the + flanks of nut and screw, for the middle position of the nut.
+    /// the + flanks of the nut and the screw, for the middle position of the nut.
     fn width(&self) -> f64 {
         self.across[0] + self.across[1] - 2.0 * self.shift
     }
@@ -247,8 +247,8 @@ impl Grooves {
         ((l - y) * (l + y)).sqrt() - self.width()
     }
 
-    /// Returns the position of ball and nut \[m\] for given approaches \[m\] and contact angles
-    /// \[rad\] at the + flanks.
+    /// Returns the position of the ball and the nut \[m\] for given approaches \[m\] and contact
+    /// angles \[rad\] at the + flanks.
     pub fn between(&self, approaches: [f64; 2], angles: [f64; 2]) -> [f64; PLACE] {
         let length = |i: usize| self.offsets[i] - self.oversize + approaches[i];
         let [(sin_a, _), (sin_b, cos_b)] = angles.map(f64::sin_cos);
@@ -265,7 +265,8 @@ impl Grooves {
     /// Returns the axial play \[m\] below which a ball with two contacts also touches a far flank,
     /// or zero if the ball does not touch a far flank even without play.
     ///
-    /// * `approaches`, `angles`: approaches \[m\] and contact angles \[rad\] at nut and screw.
+    /// * `approaches`, `angles`: approaches \[m\] and contact angles \[rad\] at the nut and the
+    ///   screw.
     pub(super) fn threshold_play(&self, approaches: [f64; 2], angles: [f64; 2]) -> f64 {
         let play = |i: usize| {
             let offset = self.offsets[i] - self.oversize;
@@ -275,7 +276,7 @@ impl Grooves {
         play(0).max(play(1))
     }
 
-    /// Returns the elastic approaches at nut and screw \[m\] under a normal load \[N\].
+    /// Returns the elastic approaches at the nut and the screw \[m\] under a normal load \[N\].
     pub(super) fn approaches(&self, load: f64) -> [f64; 2] {
         self.hertz.map(|hertz| hertz.approach(load))
     }
@@ -303,8 +304,8 @@ impl Grooves {
         (ball, nut)
     }
 
-    /// Returns the largest normal load \[N\] for given positions of ball and nut, together with the
-    /// approach at this contact \[m\].
+    /// Returns the largest normal load \[N\] for given positions of the ball and the nut, together
+    /// with the approach at this contact \[m\].
     pub(super) fn largest(&self, place: &[f64; PLACE]) -> (f64, f64) {
         let loads = (0..FLANKS).map(|flank| {
             let approach = self.flank(flank, place).approach;
@@ -313,7 +314,8 @@ impl Grooves {
         loads.fold((0.0, 0.0), |most, one| if one.0 > most.0 { one } else { most })
     }
 
-    /// Returns the positions of ball and nut at rest \[m\], that is, without friction and inertia.
+    /// Returns the positions of the ball and the nut at rest \[m\], that is, without friction and
+    /// inertia.
     ///
     /// # Errors
     ///
@@ -359,8 +361,8 @@ impl Grooves {
         self.settled(condition, &FixedForces::default(), (&y, units), newton)
     }
 
-    /// Returns the positions of ball and nut \[m\] at which the normal loads and the given fixed
-    /// forces are in equilibrium.
+    /// Returns the positions of the ball and the nut \[m\] at which the normal loads and the given
+    /// fixed forces are in equilibrium.
     ///
     /// * `near`: starting values of the positions \[m\].
     /// * `units`: units of force \[N\] and length \[m\].

@@ -240,9 +240,9 @@ fn low_speed_leads_to_boundary_friction_and_smooth_surfaces_to_a_full_film() {
     assert!(film.nut.asperity_share < 1e-12 && film.nut.friction < 0.047, "{film:?}");
 }
 
-/// For balls without inertia, the power loss does not depend on whether screw or nut rotates. The
-/// power loss depends on the direction of rotation only because friction changes the contact
-/// angles.
+/// For balls without inertia, the power loss does not depend on whether the screw or the nut
+/// rotates. The power loss depends on the direction of rotation only because friction changes the
+/// contact angles.
 #[test]
 fn screw_drive_and_nut_drive_have_equal_losses() {
     let light = |rpm: f64| {

@@ -72,7 +72,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
         Ok(self.equations(x))
     }
 
-    /// Returns loads, contact angles and contact geometry for given unknowns.
+    /// Returns the loads, the contact angles and the contact geometry for given unknowns.
     pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> BallLoads<D> {
         let ElasticContacts { helix, contact_angle, scaled, .. } = self.contacts;
         let nut = screw + c;

@@ -21,7 +21,8 @@ pub struct RacewayBall<P> {
     pub scaled: ScaledBall<P>,
     /// Cotangent of the unloaded contact angle.
     pub unloaded_cot: P,
-    /// Complete elliptic integrals of the second kind `$E$` of the contacts at nut and screw.
+    /// Complete elliptic integrals of the second kind `$E$` of the contacts at the nut and the
+    /// screw.
     pub second_integrals: [P; 2],
 }
 

@@ -27,7 +27,7 @@ pub struct RollingRoot<F: Real> {
     pub by_nut: F::Mask,
     /// Unknowns of the static balance (W12).
     pub unknowns: [F; STATIC],
-    /// Contacts at nut and screw.
+    /// Contacts at the nut and the screw.
     pub sides: [LoadedContact<F>; 2],
     /// Number of Newton steps.
     pub steps: F,
@@ -151,10 +151,10 @@ pub struct RollingMotion<F> {
     pub p: F,
     /// Angular velocity relative to the nut in the Frenet-Serret triad `$(t, n, b)$`.
     pub omega: [F; 3],
-    /// Speeds of the ball center relative to nut and screw, divided by `$r_b$`. These speeds equal
-    /// the negative angular velocities about `$t \times N$`.
+    /// Speeds of the ball center relative to the nut and the screw, divided by `$r_b$`. These
+    /// speeds equal the negative angular velocities about `$t \times N$`.
     pub speed: [F; 2],
-    /// Spins about the contact normals relative to nut and screw.
+    /// Spins about the contact normals relative to the nut and the screw.
     pub spin: [F; 2],
 }
 
@@ -162,7 +162,7 @@ impl<F: Real> RollingMotion<F> {
     /// Calculates the motion of a rolling ball (W3) to (W6).
     ///
     /// * `by_nut`: true if the nut is the controlling raceway.
-    /// * `[a, b]`: contacts at nut and screw.
+    /// * `[a, b]`: contacts at the nut and the screw.
     #[inline(always)]
     pub fn of(ball: &ScaledBall<F>, by_nut: F::Mask, [a, b]: &[LoadedContact<F>; 2]) -> Self {
         let &ScaledBall { lead, arc, .. } = ball;
@@ -183,7 +183,7 @@ impl<F: Real> RollingMotion<F> {
     /// not finite; without spin, the cross slip is not finite.
     ///
     /// * `friction`: friction coefficient.
-    /// * `[a, b]`: contacts at nut and screw.
+    /// * `[a, b]`: contacts at the nut and the screw.
     #[inline(always)]
     pub fn skid_numbers(
         &self,

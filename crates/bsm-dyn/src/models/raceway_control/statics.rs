@@ -53,8 +53,8 @@ pub(super) struct StaticBalance<P: Real> {
     pub(super) nut_speed: P,
     /// Radial distance `$A_2$` between the groove arc centers.
     pub(super) radial_distance: P,
-    /// Distances `$l_0$` between arc center and ball center, and approaches under a normal load
-    /// that equals the axial load per ball, at nut and screw.
+    /// Distances `$l_0$` between the arc center and the ball center, and approaches under a normal
+    /// load that equals the axial load per ball, at the nut and the screw.
     pub(super) contacts: [(P, P); 2],
     /// Cotangent of the unloaded contact angle.
     pub(super) unloaded_cot: P,
@@ -89,7 +89,7 @@ impl<P: Real> StaticBalance<P> {
         LoadedContact::without_friction(self.contacts[i], self.axial, cot)
     }
 
-    /// Returns the contacts at nut and screw for given unknowns.
+    /// Returns the contacts at the nut and the screw for given unknowns.
     #[inline(always)]
     pub(super) fn loaded<D: RealOver<P>>(&self, [c, screw]: [D; STATIC]) -> [LoadedContact<D>; 2] {
         [self.contact(0, screw + c), self.contact(1, screw)]
@@ -164,8 +164,8 @@ impl<F: Real> StaticBalance<F> {
         NEWTON.iterate(self, at);
     }
 
-    /// Returns the derivatives of the precession rate `$p$` with respect to the cotangents at nut
-    /// and screw.
+    /// Returns the derivatives of the precession rate `$p$` with respect to the cotangents at the
+    /// nut and the screw.
     #[inline(always)]
     fn precession_slopes(&self, p: F, [a, b]: &[LoadedContact<F>; 2]) -> [F; 2] {
         let (zero, one) = (p.constant(0.0), p.constant(1.0));

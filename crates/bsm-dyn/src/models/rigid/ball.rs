@@ -90,7 +90,7 @@ fn polar<D: Real>(a: Plane<D>) -> (D, Plane<D>) {
 impl<P: Real> RigidBall<P> {
     /// Creates a ball in scaled units.
     ///
-    /// * `sines`: sines and cosines of lead angle and contact angle.
+    /// * `sines`: sines and cosines of the lead angle and the contact angle.
     /// * `radius`: ratio of pitch circle radius to ball radius `$r_m/r_b$`.
     /// * `mass`: dimensionless mass of the ball `$m\,r_b W^2/F_a$`.
     /// * `nut_speed`: ratio of nut speed to relative speed `$\Omega_n/W$`.
@@ -243,7 +243,8 @@ impl<P: Real> RigidBall<P> {
         ]
     }
 
-    /// Returns the spins about the contact normals relative to nut and screw, divided by `$W$`.
+    /// Returns the spins about the contact normals relative to the nut and the screw, divided by
+    /// `$W$`.
     #[inline(always)]
     pub fn spins<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
         let [_, sigma, tau] = m.omega;

@@ -60,7 +60,7 @@ const MAX_LOG_EXCESS: f64 = 3.0;
 
 /// Minimum slip at the contacts A' and B, divided by `$r_b |P - \Omega_n|$`, on the branch. Below
 /// this slip, the branch ends because the slip would reverse. At roots of nut drives with large
-/// inertia, the slips are 1e-5 and less.
+/// inertia, the slips are 1e-5 or less.
 const MIN_SLIP: f64 = 1e-8;
 
 /// Maximum slip at the contact A' or B, divided by `$r_b |P - \Omega_n|$`, at which a failed step

@@ -370,9 +370,9 @@ fn sweeps_that_converge_find_the_same_root_as_continuation() {
     assert!(compared > campaign(500) && lost * 100 <= compared, "{compared} {lost}");
 }
 
-/// Creates an operating point from lead angle and contact angle \[rad\], ball radius and pitch
-/// circle radius \[m\], mass \[kg\], friction coefficient, speeds of screw and nut \[rad/s\] and
-/// axial load \[N\].
+/// Creates an operating point from the lead angle and the contact angle \[rad\], the ball radius
+/// and the pitch circle radius \[m\], the mass \[kg\], the friction coefficient, the speeds of the
+/// screw and the nut \[rad/s\], and the axial load \[N\].
 fn operating_point(
     [lead_angle, contact_angle]: [f64; 2],
     [ball, radius, mass]: [f64; 3],
@@ -592,7 +592,7 @@ fn loads_are_accurate_at_a_large_inertia_ratio() {
     assert_relative_eq!(root.p, 2.337_439_703e-4, max_relative = 1e-8);
 }
 
-/// Screw and nut both rotate, and the ball orbits very slowly. In an earlier version, the
+/// The screw and the nut both rotate, and the ball orbits very slowly. In an earlier version, the
 /// precession rate P was a difference of large numbers, so no Newton step reduced the residual.
 #[test]
 fn precession_rate_of_a_slowly_orbiting_ball_is_accurate() {

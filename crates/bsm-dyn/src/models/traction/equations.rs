@@ -91,18 +91,19 @@ pub(super) struct Lubrication<'a, P = f64> {
 }
 
 /// Residuals of the seven equations, torque on the screw, and sliding and rolling power losses at
-/// nut and screw, in scaled units.
+/// the nut and the screw, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Evaluation<D = f64> {
     pub(super) residual: [D; BALL],
     pub(super) torque: D,
-    /// Sliding powers at nut and screw. The powers have no derivatives if they are calculated with
-    /// the vectorized sums over the contact ellipses.
+    /// Sliding powers at the nut and the screw. The powers have no derivatives if they are
+    /// calculated with the vectorized sums over the contact ellipses.
     pub(super) sliding: [D; 2],
     pub(super) rolling: [D; 2],
 }
 
-/// Torque on the screw, total friction power, and sliding power at nut and screw, in scaled units.
+/// Torque on the screw, total friction power, and sliding power at the nut and the screw, in scaled
+/// units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PowerFlow {
     pub(super) torque: f64,
@@ -124,9 +125,9 @@ pub(super) struct ContactGeometry<D> {
     /// Rotation of the triad from `n` to the mean contact normal (unknowns T1) or to the contact
     /// normal at the nut (unknowns T10).
     rotation: (D, D),
-    /// Angles of the contact normals at nut and screw in the rotated triad.
+    /// Angles of the contact normals at the nut and the screw in the rotated triad.
     tilts: [(D, D); 2],
-    /// Contact angles at nut and screw.
+    /// Contact angles at the nut and the screw.
     pub(super) angles: [(D, D); 2],
     /// Contact ellipses with the motions of the ball relative to the raceways.
     pub(super) patches: [Patch<D>; 2],
@@ -139,7 +140,8 @@ struct ArcDistances<D> {
     lengths: [D; 2],
 }
 
-/// Mean contact angle, and contact angles at nut and screw. Each angle is given by sine and cosine.
+/// Mean contact angle, and contact angles at the nut and the screw. Each angle is given by sine and
+/// cosine.
 pub(super) struct MeanAngle<D> {
     pub(super) mean: (D, D),
     pub(super) contacts: [(D, D); 2],
@@ -183,8 +185,8 @@ impl<P: Scalar> SlipBall<'_, P> {
         pressed.then_some(ArcDistances { growth, lengths })
     }
 
-    /// Calculates the contact angles from the tilt and from the distances between ball center and
-    /// arc centers. Returns `None` if no contact angles satisfy (J7).
+    /// Calculates the contact angles from the tilt and from the distances between the ball center
+    /// and the arc centers. Returns `None` if no contact angles satisfy (J7).
     ///
     /// * `(sin_y, cos_y)`: sine and cosine of the tilt.
     #[inline(always)]
@@ -225,7 +227,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         self.mean_angle(self.arc_distances(y)?.lengths, tilt)
     }
 
-    /// Returns the motions of the ball relative to nut and screw in contact coordinates.
+    /// Returns the motions of the ball relative to the nut and the screw in contact coordinates.
     ///
     /// * `angles`: sines and cosines of the contact angles.
     #[inline(always)]
@@ -285,7 +287,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// Returns the residuals of the seven equations of the ball (P5), and the torque on the screw
     /// (B7).
     ///
-    /// * `friction`: friction force and moment on the ball at nut and screw.
+    /// * `friction`: friction force and moment on the ball at the nut and the screw.
     /// * `rate`: precession rate from which the inertia forces are calculated.
     #[inline(always)]
     fn balance<D: Over<P>>(
@@ -410,7 +412,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         Ok(found)
     }
 
-    /// Returns the placement of the quadrature nodes at nut (0) or screw (1).
+    /// Returns the placement of the quadrature nodes at the nut (0) or the screw (1).
     pub(super) fn nodes(&self, i: usize) -> Placement<'_> {
         Placement {
             rule: self.quadrature,
@@ -500,7 +502,7 @@ struct ContactLoss<D> {
 }
 
 impl<P: Scalar> Lubrication<'_, P> {
-    /// Calculates friction and rolling resistance at nut and screw.
+    /// Calculates the friction and the rolling resistance at the nut and the screw.
     #[inline(always)]
     fn losses<S: Simd, D: Integrate<P>>(
         &self,

@@ -125,7 +125,8 @@ fn seed(y: &[f64; BALL], u: f64) -> Seed<PATH> {
 }
 
 impl SlipBall<'_> {
-    /// Returns the contact angles at nut and screw \[rad\], which are NaN if a contact is lost.
+    /// Returns the contact angles at the nut and the screw \[rad\], which are NaN if a contact is
+    /// lost.
     pub(super) fn angles(&self, y: &[f64; BALL]) -> [f64; 2] {
         self.loaded(y).map_or([f64::NAN; 2], |loaded| loaded.angles)
     }

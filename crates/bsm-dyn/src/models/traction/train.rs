@@ -124,7 +124,7 @@ pub struct TrainMotion {
     pub raceway_power: f64,
     /// Angular speed relative to the neighboring balls `$|w|$` (O1) \[rad/s\].
     pub rotation: f64,
-    /// Normal loads at nut and screw \[N\].
+    /// Normal loads at the nut and the screw \[N\].
     pub loads: [f64; 2],
     /// Normal forces of the ball in front and of the ball behind \[N\].
     pub pushes: [f64; 2],
