@@ -155,9 +155,9 @@ const MAX_STEPS: usize = 25;
 const ROOT: f64 = 1e-10;
 
 /// Minimum ratio of the friction moment of the far flanks to the spin moment of the loaded flanks,
-/// both without numerical factors. Above this ratio, the search starts with the assumption that the
-/// third contact stops the spin. For 200 random balls, a value of 0.2 leads to the fewest Newton
-/// steps.
+/// both calculated without numerical factors. Above this ratio, the search starts with the
+/// assumption that the third contact stops the spin. For 200 random balls, a value of 0.2 leads to
+/// the fewest Newton steps.
 const SPIN_STOP_RATIO: f64 = 0.2;
 
 /// Largest ratio of axial force to largest normal load at which the axial force counts as a
@@ -427,7 +427,7 @@ impl GothicBall {
         let (rate, omega) = state.to_nut;
         let to_nut =
             Motion::new(rate * speed.abs(), omega.map(|component| component * speed.abs()));
-        // T = Σ over the screw of [(−r_m n) × F + M]·k                    (B7)
+        // T = Σ_screw [(−r_m n) × F + M]·k                             (B7)
         let screw_torque = torque(&state.wrench(2..FLANKS), point.helix.radius, &frame);
         let ideal = ideal_torque(carried, point.helix.radius, point.helix.lead_angle.tan());
         let power = Power::transmitted(screw_torque, ideal, speed);
@@ -650,7 +650,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
         let point = &self.at.point;
         let wrench = inputs.evaluated(&y).wrench(2..FLANKS);
         let frame = BallFrame::turned(point.helix.lead_angle, Jet::from(0.0));
-        // T = Σ over the screw of [(−r_m n) × F + M]·k                    (B7)
+        // T = Σ_screw [(−r_m n) × F + M]·k                             (B7)
         let screw_torque = torque(&wrench, point.helix.radius, &frame) * load.balls;
         let back = point.drive.relative_speed().re < 0.0;
         let efficiency = efficiency(back, point.ideal_torque(), screw_torque);

@@ -62,7 +62,8 @@ pub struct RigidMotion<D = f64> {
     /// Slip speeds divided by `$r_b|W|$`. A negative slip speed at contact A means that the
     /// equations were continued beyond rolling.
     pub speeds: [D; 3],
-    /// Directions of the slips, each divided by `$W$`. Friction acts in the opposite direction.
+    /// Unit vectors in the directions of the slips divided by `$W$`. With the signed friction
+    /// coefficient, friction acts in the opposite directions.
     pub directions: [Plane<D>; 3],
     /// Precession rate relative to the nut `$p = (P - \Omega_n)/W$`.
     pub precession: D,
@@ -217,7 +218,7 @@ impl<P: Real> RigidBall<P> {
     pub fn torque<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> D {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
         let (q, [x, y]) = (m.loads[2], self.friction_forces(m)[2]);
-        // T = [(−r_m n) × F + M]·k of the wrench of the screw, Eq (B7)
+        // T = [(−r_m n) × F + M]·k, where the screw exerts F and M (B7)
         let force = y * cos_a + (q * sin_b - x * cos_b) * sin_a;
         force * self.radius + x * sin_a - y * self.k_e
     }

@@ -253,7 +253,7 @@ impl RigidBall<f64> {
     /// Returns true if, in the first-order solution, the slip at contact B is opposite to the
     /// friction at this contact. Otherwise, no branch begins at zero inertia.
     fn has_branch(&self, first: &FirstOrder) -> bool {
-        // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ), along ψ   (R26)
+        // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ), projected onto ψ  (R26)
         let along = self.arc * (1.0 - 2.0 * first.precession) - self.k_e;
         first.slip + self.sines.sin_a * self.cos_psi + along * self.sin_psi > 0.0
     }

@@ -87,9 +87,9 @@ fn root_from_random_starts(
 struct SearchCounts {
     no_solution: [usize; 2],
     undecided: [usize; 2],
-    /// Numbers for the first hundred points with a solution.
+    /// Counts for the first hundred points with a solution.
     found: [usize; 2],
-    /// Numbers for further points that have a solution but that Newton's method did not solve from
+    /// Counts for further points that have a solution but that Newton's method did not solve from
     /// its first starting values.
     hard: [usize; 2],
 }
