@@ -427,7 +427,7 @@ impl GothicBall {
         let (rate, omega) = state.to_nut;
         let to_nut =
             Motion::new(rate * speed.abs(), omega.map(|component| component * speed.abs()));
-        // T = Σ_screw [(−r_m n) × F + M]·k                             (B7)
+        // T = Σ_screw [(−r_m n) × F + M]·k                                (B7)
         let screw_torque = torque(&state.wrench(2..FLANKS), point.helix.radius, &frame);
         let ideal = ideal_torque(carried, point.helix.radius, point.helix.lead_angle.tan());
         let power = Power::transmitted(screw_torque, ideal, speed);
@@ -650,7 +650,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
         let point = &self.at.point;
         let wrench = inputs.evaluated(&y).wrench(2..FLANKS);
         let frame = BallFrame::turned(point.helix.lead_angle, Jet::from(0.0));
-        // T = Σ_screw [(−r_m n) × F + M]·k                             (B7)
+        // T = Σ_screw [(−r_m n) × F + M]·k                                (B7)
         let screw_torque = torque(&wrench, point.helix.radius, &frame) * load.balls;
         let back = point.drive.relative_speed().re < 0.0;
         let efficiency = efficiency(back, point.ideal_torque(), screw_torque);

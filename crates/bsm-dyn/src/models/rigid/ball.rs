@@ -218,7 +218,7 @@ impl<P: Real> RigidBall<P> {
     pub fn torque<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> D {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
         let (q, [x, y]) = (m.loads[2], self.friction_forces(m)[2]);
-        // T = [(−r_m n) × F + M]·k, where the screw exerts F and M (B7)
+        // T = [(−r_m n) × F + M]·k, where the screw exerts F and M  (B7)
         let force = y * cos_a + (q * sin_b - x * cos_b) * sin_a;
         force * self.radius + x * sin_a - y * self.k_e
     }
