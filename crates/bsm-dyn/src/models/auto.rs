@@ -15,7 +15,7 @@ use crate::models::traction::{SlipRoot, Start, Traction};
 use crate::models::workspace::ModelWorkspace;
 use crate::outcome::Status;
 
-/// A screw at an operating point that is solved with the fastest model of sufficient accuracy.
+/// A screw at an operating point, to be solved with the fastest model that is accurate enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Auto<D = f64> {
     /// The screw at its operating point.
@@ -126,8 +126,8 @@ impl Auto {
 }
 
 impl<const M: usize> Auto<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives with respect to the inputs. The model
-    /// is chosen from the values of the inputs.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs. The
+    /// choice of the model depends only on the values of the inputs, not on their derivatives.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
@@ -153,17 +153,17 @@ impl<const M: usize> Auto<Jet<M>> {
 /// cross slip, spin causes nearly all of the loss.
 const MIN_CROSS_SLIP: f64 = 0.3;
 
-/// Efficiency error bounds of raceway control and of gross slip, for one point or for several
-/// points side by side.
+/// Efficiency error bounds of raceway control and of gross slip, for one operating point or for
+/// several points side by side in a SIMD vector.
 #[derive(Debug, Clone, Copy)]
 pub struct ModelErrors<F = f64> {
     /// Onset number `$S$` (W11).
     pub onset_number: F,
-    /// Error bound of raceway control (A4). It is infinite if friction may rotate a contact beyond
-    /// the end of its flank (A9).
+    /// Error bound of raceway control (A4). The bound is infinite if friction may move a contact
+    /// beyond the end of its flank (A9).
     pub rolling: F,
-    /// Error bound of gross slip divided by `range` (A5). It is infinite if the cross slip is too
-    /// small.
+    /// Error bound of gross slip divided by `range` (A5). The bound is infinite if the cross slip
+    /// is too small.
     pub skidding: F,
     /// Difference between the efficiency of a rolling ball and the efficiency of a skidding ball
     /// without inertia.
@@ -176,7 +176,8 @@ impl<F: Real> ModelErrors<F> {
     /// * `back`: true if the load back-drives the screw.
     /// * `onset_number`, `cross_slip`: onset number and cross slip of the rolling ball. If they are
     ///   undefined (infinite or NaN), the error bounds are infinite or NaN, too.
-    /// * `cotangents`: cotangents of the contact angles of the rolling ball at nut and screw.
+    /// * `cotangents`: cotangents of the contact angles of the rolling ball at the nut and the
+    ///   screw.
     #[inline(always)]
     pub fn of(
         ball: &SlidingBall<F>,
@@ -229,14 +230,16 @@ impl ModelErrors {
         ))
     }
 
-    /// Returns the efficiency error bound of the gross-slip model.
+    /// Returns the efficiency error bound of the gross-slip model for a given value of
+    /// [`range`](Self::range).
     pub fn skid_bound(&self, range: f64) -> f64 {
         self.skidding * range
     }
 
-    /// Selects raceway control or gross slip if the error bound of this model is at most the
-    /// tolerance; otherwise returns `None`. After the gross-slip model is solved, its error bound
-    /// must be recalculated with the efficiency of that solution.
+    /// Selects raceway control for a rolling ball, or gross slip for a skidding ball, if the error
+    /// bound of this model is at most the tolerance. Returns `None` otherwise, and for a ball in
+    /// partial skid. After the gross-slip model is solved, its error bound must be recalculated
+    /// with the efficiency of that solution.
     pub fn basis(&self, tolerance: f64) -> Option<Basis> {
         let Self { onset_number, rolling, range, .. } = *self;
         match SlipRegime::of(onset_number) {

@@ -301,8 +301,8 @@ mod tests {
         }
 
         /// The optimal contact angle as a function of the lead angle is the inverse of the optimal
-        /// lead angle as a function of the contact angle. The same applies to the limit angles of
-        /// self-locking.
+        /// lead angle as a function of the contact angle. The limit angles of self-locking are
+        /// inverse functions of each other, too.
         #[test]
         fn optimal_and_limit_angles_are_inverse_functions(a in 0.01..1.4_f64, f in 0.001..0.5_f64) {
             for direction in BOTH {
@@ -321,8 +321,8 @@ mod tests {
         }
 
         /// The contact angle of the closed-form optimum gives a better efficiency than neighboring
-        /// angles. Its efficiency equals the stated efficiency, and it satisfies the published
-        /// conditions (15) and (18).
+        /// angles. The efficiency at this angle equals the stated efficiency, and the angle
+        /// satisfies the published conditions (15) and (18).
         #[test]
         fn closed_form_optimum_is_a_maximum(a in 0.01..0.75_f64, f in 0.001..0.3_f64) {
             for direction in BOTH {

@@ -51,9 +51,9 @@ struct GrossSlipState<D> {
     to_nut: Motion<D>,
     /// Absolute precession rate `$P/W$`.
     precession: D,
-    /// Slip velocities at nut and screw.
+    /// Slip velocities at the nut and the screw.
     slip: [Vector3<D>; 2],
-    /// Wrenches (force and moment) of nut and screw on the ball.
+    /// Wrenches (force and moment) of the nut and the screw on the ball.
     wrench: [Wrench<D>; 2],
 }
 
@@ -62,7 +62,7 @@ struct GrossSlipState<D> {
 struct GrossSlipEquations<'a, P = f64>(&'a ElasticContacts<P>);
 
 impl<P: Scalar> GrossSlipEquations<'_, P> {
-    /// Returns contacts, motion, slips and wrenches for given unknowns.
+    /// Returns the contacts, the motion, the slips and the wrenches for given unknowns.
     ///
     /// # Errors
     ///
@@ -95,8 +95,8 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         let to_nut = Motion { precession: y[PRECESSION], omega };
 
         let points = loaded.contacts.map(|c| c.point(D::from(1.0)));
-        // V_A + V_B = d (2p − 1) W t + ω' × (r_A + r_B) − W k × r_B, in which the spin, of order
-        // 1/P, is multiplied by the tilt and does not cancel              (S11)
+        // In this sum, the spin (of order 1/P) is multiplied by the tilt, so it does not cancel.
+        // V_A + V_B = d (2p − 1) W t + ω' × (r_A + r_B) − W k × r_B       (S11)
         let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * contacts.scaled.arc);
         let both = arc + omega.cross(&(points[0] + points[1])) - loaded.frame.k.cross(&points[1]);
         let at_screw = both - along * y[SLIP];
@@ -151,8 +151,8 @@ impl GrossSlip {
         self.steps
     }
 
-    /// Returns a root that serves as a starting value. This is usually the first root on the curve
-    /// of force balance.
+    /// Returns a root that serves as a starting value. This root is usually the first root on the
+    /// equilibrium curve.
     ///
     /// # Errors
     ///
@@ -163,7 +163,7 @@ impl GrossSlip {
         Ok(Self { state, steps, residual: f64::NAN })
     }
 
-    /// Returns the first root on the curve of states whose forces balance.
+    /// Returns the first root on the equilibrium curve (the curve of states whose forces balance).
     ///
     /// # Errors
     ///
@@ -178,8 +178,7 @@ impl GrossSlip {
 /// Unknowns at a root, total number of Newton steps, and residual.
 type ElasticRoot = ([f64; BALL], usize, f64);
 
-/// Returns the first root on the curve of states whose forces balance, expressed in the unknowns
-/// (S1).
+/// Returns the first root on the equilibrium curve, expressed in the unknowns (S1).
 ///
 /// # Errors
 ///
@@ -206,8 +205,8 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     let rate = (y[PRECESSION] + contacts.scaled.nut_speed).abs();
     let centrifugal = contacts.inertia_ratio() * rate * rate;
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
-    // In the moment balance about the mean normal, the gyroscopic moment I P ω of the rolling ball
-    // is the only term.
+    // In the moment balance about the mean normal, all terms are of the order of the gyroscopic
+    // moment I P ω of the rolling ball.
     let gyroscopic =
         contacts.scaled.ball().inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.scaled.arc);
     let mut weights = [weight(force); BALL];
@@ -237,7 +236,7 @@ impl Elastic {
         Solution::new(Model::Elastic, solved)
     }
 
-    /// Returns the steady state of the first root.
+    /// Returns the steady state at the first root on the equilibrium curve.
     ///
     /// # Errors
     ///

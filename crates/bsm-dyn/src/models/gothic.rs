@@ -1,5 +1,5 @@
-//! One ball with up to four contacts in the gothic arches of nut and screw. Its force balance
-//! includes friction.
+//! One ball with up to four contacts in the gothic arches of the nut and the screw. The force
+//! balance of the ball includes friction.
 //!
 //! Friction across the grooves moves the ball sideways. If the axial play is small, the ball then
 //! touches the far flank of one groove, which is the third contact.
@@ -35,7 +35,7 @@ use crate::models::ball::{
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicBall<D = f64> {
     /// Screw, ball, friction and speeds. The load of this operating point is ignored by
-    /// [`solve`](GothicBall::solve), which has an [`AxialCondition`] as its argument.
+    /// [`solve`](GothicBall::solve), which takes an [`AxialCondition`] instead.
     pub at: ElasticPoint<D>,
     /// Axial play, radial gap and oversize of the ball in the gothic arches.
     pub fit: ArchFit<D>,
@@ -77,7 +77,7 @@ pub struct GothicState {
     pub motion: Motion<f64>,
     /// Motion of the ball relative to the nut \[rad/s\].
     pub to_nut: Motion<f64>,
-    /// Relative speed `$W$` of screw and nut \[rad/s\].
+    /// Relative speed `$W$` of the screw and the nut \[rad/s\].
     pub relative_speed: f64,
     /// Axial force of the nut on the ball \[N\].
     pub axial_force: f64,
@@ -99,7 +99,8 @@ pub struct GothicState {
     root: Root,
 }
 
-/// Position of ball and nut \[m\], and motion of the ball relative to the nut, divided by `$|W|$`.
+/// Position of the ball and the nut \[m\], and motion of the ball relative to the nut, divided by
+/// `$|W|$`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Root {
     place: [f64; PLACE],
@@ -136,17 +137,17 @@ impl Root {
 /// starting value.
 const FIRST_CREEP: f64 = 30.0;
 
-/// Residual tolerance (scaled) of the roots along a continuation. It equals the accuracy of the
-/// quadrature that is used along the continuation.
+/// Residual tolerance (scaled) of the roots along a continuation. The tolerance equals the accuracy
+/// of the quadrature that is used along the continuation.
 const PATH_RESIDUAL: f64 = 1e-6;
 
 /// Scaled residual below which Newton steps reuse the Jacobian. Above this residual, the Jacobian
 /// is calculated together with every trial step, because few steps are rejected and the quadrature
-/// with derivatives costs little more than the quadrature without.
+/// with derivatives costs little more than the quadrature without derivatives.
 const CHORD_RESIDUAL: f64 = 1e-3;
 
 /// Maximum number of Newton steps from one starting value, after which the next starting value is
-/// tried. Nine of ten balls need at most 11 steps in total.
+/// tried. Nine out of ten balls need at most 11 steps in total.
 const MAX_STEPS: usize = 25;
 
 /// Maximum scaled residual before the final Newton step. The residual after this step is not
@@ -154,9 +155,9 @@ const MAX_STEPS: usize = 25;
 const ROOT: f64 = 1e-10;
 
 /// Minimum ratio of the friction moment of the far flanks to the spin moment of the loaded flanks,
-/// both without numerical factors. Above this ratio, the search starts with the assumption that the
-/// third contact stops the spin. For 200 random balls, a value of 0.2 leads to the fewest Newton
-/// steps.
+/// both calculated without numerical factors. Above this ratio, the search starts with the
+/// assumption that the third contact stops the spin. For 200 random balls, a value of 0.2 leads to
+/// the fewest Newton steps.
 const SPIN_STOP_RATIO: f64 = 0.2;
 
 /// Largest ratio of axial force to largest normal load at which the axial force counts as a
@@ -164,13 +165,13 @@ const SPIN_STOP_RATIO: f64 = 0.2;
 const AXIAL_FORCE_TOL: f64 = 1e-9;
 
 impl<D: Scalar> GothicBall<D> {
-    /// Returns the operating point of a ball on two contacts, with the contact angle at first
+    /// Returns the operating point of a ball with two contacts, with the contact angle at first
     /// contact.
     fn two_contact_point(&self) -> ElasticPoint<D> {
         self.at.fitted(self.fit.radial_gap, self.fit.oversize)
     }
 
-    /// Returns the radii of the deformed contact surfaces at nut and screw \[m\].
+    /// Returns the radii of the deformed contact surfaces at the nut and the screw \[m\].
     fn pressed_radii(&self) -> [D; 2] {
         let (nut, screw) = self.at.conformity;
         [nut, screw].map(|conformity| pressed_radius(conformity, self.at.point.ball.radius))
@@ -181,13 +182,13 @@ impl GothicBall {
     /// Solves for the steady motion of the ball in gothic arches (AC5), (AC6).
     ///
     /// Newton's method first starts from the state `near`, if this state is given, and then from
-    /// the state of the ball on two contacts. If Newton's method converges from neither state, a
+    /// the state of the ball with two contacts. If Newton's method converges from neither state, a
     /// continuation starts from the ball at rest and lowers the creep speed.
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the grooves cannot carry the axial force, if screw and nut have no
-    /// relative speed, if a friction coefficient is not positive, or if no root is found.
+    /// Returns [`NoAnswer`] if the grooves cannot carry the axial force, if the screw and the nut
+    /// have no relative speed, if a friction coefficient is not positive, or if no root is found.
     pub fn solve(
         &self,
         condition: AxialCondition,
@@ -217,7 +218,7 @@ impl GothicBall {
         })
     }
 
-    /// Returns the axial play \[m\] below which friction presses the ball on two contacts against a
+    /// Returns the axial play \[m\] below which friction presses a ball with two contacts against a
     /// far flank (AC7). The result is zero if friction does not press the ball against a far flank
     /// even without play, and `None` if two contacts cannot carry the axial force \[N\].
     pub fn threshold_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
@@ -242,7 +243,7 @@ impl GothicBall {
         Some(play.max(0.0))
     }
 
-    /// Returns the gap \[m\] between the ball and the nearer far flank for a given state on two
+    /// Returns the gap \[m\] between the ball and the nearer far flank for a given state with two
     /// contacts; it is negative if flank and ball overlap. Returns `None` if the state contains no
     /// motion or no contact ellipses.
     pub fn far_gap_on_two_contacts(&self, two_contacts: &BallState) -> Option<f64> {
@@ -250,8 +251,8 @@ impl GothicBall {
         Some(self.root_of(&grooves, two_contacts)?.far_gap(&grooves))
     }
 
-    /// Checks that the friction coefficients are positive and that nut and screw have a relative
-    /// speed.
+    /// Checks that the friction coefficients are positive and that the nut and the screw have a
+    /// relative speed.
     fn check(&self) -> Result<(), NoAnswer> {
         self.at.point.require_friction()?;
         if self.far_friction.0.is_nan() || self.far_friction.0 <= 0.0 {
@@ -311,8 +312,8 @@ impl GothicBall {
         Ok(grooves.first_touch() / grooves.lead.1)
     }
 
-    /// Returns the axial force of the nut without friction \[N\] at a displacement beyond first
-    /// contact \[m\].
+    /// Returns the axial force of the nut \[N\] without friction, for a given displacement \[m\]
+    /// beyond first contact.
     ///
     /// # Errors
     ///
@@ -328,8 +329,8 @@ impl GothicBall {
         Ok(grooves.axial_force(&place))
     }
 
-    /// Returns the axial displacement of the nut beyond first contact \[m\] under an axial force
-    /// \[N\] without friction.
+    /// Returns the axial displacement \[m\] of the nut beyond first contact that results from an
+    /// axial force \[N\] without friction.
     ///
     /// # Errors
     ///
@@ -354,7 +355,7 @@ impl GothicBall {
         ball
     }
 
-    /// Returns the steady state of a ball on two contacts under an axial force per ball \[N\], or
+    /// Returns the steady state of a ball with two contacts under an axial force per ball \[N\], or
     /// `None` if there is no steady state.
     fn two_contacts(&self, axial: f64, work: &mut TractionWorkspace) -> Option<SteadyState> {
         if axial <= 0.0 {
@@ -367,7 +368,7 @@ impl GothicBall {
         traction.solve(work).solved().copied()
     }
 
-    /// Returns position and motion of the ball for a steady state with two contacts.
+    /// Returns the position and the motion of the ball for a steady state with two contacts.
     fn root_of(&self, grooves: &Grooves, found: &BallState) -> Option<Root> {
         let [nut, screw] = [&found.nut, &found.screw];
         let [at_nut, at_screw] = [nut.pressed?.approach, screw.pressed?.approach];
@@ -426,7 +427,7 @@ impl GothicBall {
         let (rate, omega) = state.to_nut;
         let to_nut =
             Motion::new(rate * speed.abs(), omega.map(|component| component * speed.abs()));
-        // T = Σ over the screw of [(−r_m n) × F + M]·k                    (B7)
+        // T = Σ_screw [(−r_m n) × F + M]·k                                (B7)
         let screw_torque = torque(&state.wrench(2..FLANKS), point.helix.radius, &frame);
         let ideal = ideal_torque(carried, point.helix.radius, point.helix.lead_angle.tan());
         let power = Power::transmitted(screw_torque, ideal, speed);
@@ -593,7 +594,7 @@ impl GothicBall {
     }
 }
 
-/// Returns the axial play below which a ball on two contacts touches a far flank \[m\], or `None`
+/// Returns the axial play \[m\] below which a ball with two contacts touches a far flank, or `None`
 /// if a contact carries no load.
 fn threshold_play(grooves: &Grooves, found: &SteadyState) -> Option<f64> {
     let [nut, screw] = [&found.ball.nut, &found.ball.screw];
@@ -602,7 +603,7 @@ fn threshold_play(grooves: &Grooves, found: &SteadyState) -> Option<f64> {
 }
 
 impl<const M: usize> GothicBall<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives with respect to the inputs.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut GothicWorkspace,
@@ -615,8 +616,8 @@ impl<const M: usize> GothicBall<Jet<M>> {
         Traction { at, accuracy, creep }.sensitivities(&mut work.traction)
     }
 
-    /// Returns efficiency and torque with their derivatives with respect to the inputs, for a root
-    /// with a third contact.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs, for
+    /// a root with a third contact.
     fn third_contact_slopes(
         &self,
         ball: &GothicBall,
@@ -649,7 +650,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
         let point = &self.at.point;
         let wrench = inputs.evaluated(&y).wrench(2..FLANKS);
         let frame = BallFrame::turned(point.helix.lead_angle, Jet::from(0.0));
-        // T = Σ over the screw of [(−r_m n) × F + M]·k                    (B7)
+        // T = Σ_screw [(−r_m n) × F + M]·k                                (B7)
         let screw_torque = torque(&wrench, point.helix.radius, &frame) * load.balls;
         let back = point.drive.relative_speed().re < 0.0;
         let efficiency = efficiency(back, point.ideal_torque(), screw_torque);
@@ -673,7 +674,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
 enum Start {
     /// Start from a known state near the root, if the caller provides it.
     Near,
-    /// Start from the steady state of the ball on two contacts, if it exists.
+    /// Start from the steady state of the ball with two contacts, if it exists.
     TwoContacts,
 }
 
@@ -712,11 +713,11 @@ impl Search<'_> {
         found.ok()
     }
 
-    /// Returns two starting values derived from a ball on two contacts, or `None` if there is no
+    /// Returns two starting values derived from a ball with two contacts, or `None` if there is no
     /// position at which the forces balance.
     ///
     /// In both starting values, the ball is at the position where the normal loads of all flanks
-    /// balance the friction of the two contacts. One starting value has the motion of the ball on
+    /// balance the friction of the two contacts. One starting value has the motion of the ball with
     /// two contacts; the other has the motion of a ball whose third contact stops its spin. The
     /// more likely starting value comes first.
     ///
@@ -792,11 +793,12 @@ impl Search<'_> {
         Ok((y, report.residual))
     }
 
-    /// Finds the root by continuation that starts from the ball at rest and lowers the creep speed.
+    /// Finds the root by a continuation that starts from the ball at rest and lowers the creep
+    /// speed.
     fn by_lowering_creep(&mut self, at_rest: &[f64; PLACE]) -> Result<Found, NoAnswer> {
         let Self { balance, smooth, .. } = *self;
-        // The first continuation may fail because the sums of the smooth quadrature rule have
-        // jumps. The second continuation uses the requested quadrature rule.
+        // The first continuation may fail because the integrals with the coarser quadrature rule
+        // can jump. In this case, a second continuation uses the requested quadrature rule.
         self.followed(&smooth, at_rest).or_else(|_| self.followed(&balance, at_rest))
     }
 
@@ -809,7 +811,7 @@ impl Search<'_> {
     ) -> Result<Found, NoAnswer> {
         let sign = balance.at.point.drive.relative_speed().signum();
         // At the start, the ball precesses at half the speed of the screw and rolls about b,
-        // because the raceways of nut and screw are on opposite sides of the ball.
+        // because the raceways of the nut and the screw are on opposite sides of the ball.
         let motion = [0.5 * sign, 0.0, 0.0, -0.5 * sign * balance.turning()];
         let mut y = from_fn(|i| match i {
             0..PLACE => at_rest[i] / balance.units.1,

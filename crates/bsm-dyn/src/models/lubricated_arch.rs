@@ -1,4 +1,4 @@
-//! A lubricated ball in gothic arches, which friction may press against a far flank.
+//! A lubricated ball that friction may press against the far flank of a gothic arch.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC11) and (AC12).
 
@@ -27,7 +27,7 @@ pub struct LubricatedArch<D = f64> {
 }
 
 impl LubricatedArch {
-    /// Solves for the lubricated ball on two contacts and, if friction presses the ball against a
+    /// Solves for the lubricated ball with two contacts and, if friction presses the ball against a
     /// far flank, adds the power loss due to this third contact.
     ///
     /// The additional power loss is calculated with dry friction. The friction coefficient of the
@@ -99,8 +99,8 @@ impl LubricatedArch {
 }
 
 impl<const M: usize> LubricatedArch<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives with respect to the inputs. Balls with
-    /// a third contact are rejected.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs.
+    /// Balls with a third contact are rejected.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,

@@ -12,7 +12,7 @@ use crate::contact::{Curvatures, Hertz};
 use crate::models::ball::{ElasticPoint, NoAnswer, Reason, Workspace, domain_error, equations};
 
 /// Loads and contact angles that include permanent deformation. Arrays with two elements contain
-/// the values at nut and screw.
+/// the values at the nut and the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PermanentSet {
     /// Normal loads \[N\].
@@ -26,19 +26,20 @@ pub struct PermanentSet {
 }
 
 /// Ratio of maximum pressure to yield strength (dimensionless) at which steel first yields below
-/// the surface (M4). It is 1.60 for a circular contact and up to 1.79 for an elongated contact.
+/// the surface (M4). The ratio is 1.60 for a circular contact and up to 1.79 for an elongated
+/// contact.
 ///
 /// Source: Johnson, *Contact Mechanics*, §6.2, Poisson's ratio 0.3.
 const FIRST_YIELD: f64 = 1.60;
 
 impl ElasticPoint {
-    /// Calculates loads and contact angles if the permanent approach (H12) is added to the elastic
-    /// approach (M1) to (M3).
+    /// Calculates the loads and contact angles that result if the permanent approach (H12) is added
+    /// to the elastic approach; see (M1) to (M3).
     ///
-    /// * `loads`, `angles`: normal loads \[N\] and contact angles \[rad\] at nut and screw, from a
-    ///   model without permanent deformation.
+    /// * `loads`, `angles`: normal loads \[N\] and contact angles \[rad\] at the nut and the screw,
+    ///   from a model without permanent deformation.
     ///
-    /// Assumes: friction and inertia forces on the ball stay unchanged.
+    /// Assumes: friction and inertia forces on the ball remain unchanged.
     ///
     /// # Errors
     ///
@@ -54,7 +55,7 @@ impl ElasticPoint {
         let hertz = self.hertz().map_err(invalid)?;
         let curvatures = self.curvatures();
         let [nut_offset, screw_offset] = self.grooves().map(|g| g.offset(self.point.ball.radius));
-        // Q sinβ = S,  Q_A cosβ_A − Q_B cosβ_B = C, as in the model       (M1)
+        // Q sinβ = S and Q_A cosβ_A − Q_B cosβ_B = C remain unchanged     (M1)
         let axial = [0, 1].map(|i| loads[i] * angles[i].sin());
         let radial = loads[0] * angles[0].cos() - loads[1] * angles[1].cos();
         let closure = RadialClosure {
@@ -100,7 +101,8 @@ struct RadialClosure {
 }
 
 impl RadialClosure {
-    /// Returns the normal loads \[N\] and the cotangents of the contact angles at nut and screw.
+    /// Returns the normal loads \[N\] and the cotangents of the contact angles at the nut and the
+    /// screw.
     ///
     /// # Errors
     ///
@@ -122,7 +124,7 @@ impl RadialClosure {
         })
     }
 
-    /// Returns the elastic and the permanent approaches at nut and screw \[m\].
+    /// Returns the elastic and the permanent approaches at the nut and the screw \[m\].
     fn approaches<D: Scalar>(&self, loads: [D; 2]) -> [[D; 2]; 2] {
         let elastic = |i: usize| self.hertz[i].approach(loads[i]);
         let unit = |i: usize| self.curvatures[i].permanent_approach(1.0, self.ball_radius);
@@ -190,7 +192,7 @@ mod tests {
         (contacts.map(|c| c.load.expect("a load")), contacts.map(|c| c.angle))
     }
 
-    /// Under a light load, the permanent approach is negligible. This applies to models with and
+    /// Under a light load, the permanent approach is negligible. The test covers models with and
     /// without friction in the force balance.
     #[test]
     fn permanent_deformation_under_a_light_load_is_negligible() {
@@ -203,7 +205,7 @@ mod tests {
         ] {
             let (loads, angles) = loads_and_angles(&o);
             let deformed = screw.permanent_set(loads, angles).unwrap();
-            // In this test, the permanent approach is 1e-5 times the elastic approach. It is 1e-8
+            // In this test, the permanent approach is 1e-5 times the elastic approach and 1e-8
             // times the distance between the arc centers, which determines the contact angles.
             for i in 0..2 {
                 assert!(deformed.permanent[i] < 2e-5 * deformed.elastic[i], "{deformed:?}");
@@ -252,9 +254,9 @@ mod tests {
         let difference = deformed.angles[1] - deformed.angles[0];
         assert!(difference > 8e-3, "{difference}");
         assert_relative_eq!(2.0 * radical.sqrt().atan(), difference, epsilon = 1e-12);
-        // The distances from the ball center to the two arc centers have radial components. Their
-        // sum is the radial distance between the arc centers, which follows from the unloaded
-        // contact angle.
+        // The radial components of the distances from the ball center to the two arc centers add up
+        // to the radial distance between the arc centers, which follows from the unloaded contact
+        // angle.
         let radial_distance = (nut + screw_offset) * screw.point.contact_angle.cos();
         assert_relative_eq!(l_a * cos_a + l_b * cos_b, radial_distance, max_relative = 1e-14);
     }

@@ -1,5 +1,5 @@
-//! Quasi-static model of a ball with two contacts. It neglects inertia and considers slip in the
-//! normal plane and rolling resistance.
+//! Quasi-static model of a ball with two contacts. The model neglects inertia, but includes slip in
+//! the normal plane and rolling resistance.
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (Q1) to (Q4).
 
@@ -37,15 +37,15 @@ pub enum DrivenBody {
     Screw,
     /// Only the nut rotates.
     Nut,
-    /// Both screw and nut rotate. The quasi-static equations do not cover this case.
+    /// Both the screw and the nut rotate. The quasi-static equations do not cover this case.
     Both,
 }
 
-/// Quantities of the two contacts in the force balance. The friction terms are negative if the load
-/// back-drives the screw.
+/// Quantities in the force balance of a ball with two contacts. The friction terms are negative if
+/// the load back-drives the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct TwoContacts<D: Real> {
-    /// Sines and cosines of lead angle and contact angle.
+    /// Sines and cosines of the lead angle and the contact angle.
     pub sines: Sines<D>,
     /// Signed friction coefficient `$f$`.
     pub friction: D,
@@ -73,7 +73,7 @@ impl<D: Real> TwoContacts<D> {
         rolling_tangent(self.rolling_ratio, self.sines.sin_b)
     }
 
-    /// Returns the efficiency for conversion of rotary to linear motion (Q1) to (Q3).
+    /// Returns the efficiency for the conversion of rotary to linear motion (Q1) to (Q3).
     ///
     /// ```math
     /// \eta = 1 - \frac{f(r_b/r_m + \epsilon) + \tan\rho/(\cos\alpha\sin\alpha)}
@@ -89,8 +89,8 @@ impl<D: Real> TwoContacts<D> {
     fn forward_efficiency(&self) -> D {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
         let (f, size, tan_rho) = (self.friction, self.size_ratio, self.tan_rho());
-        // screw: f r_b/r_m,  r_b/r_m − cosβ                               (Q2)
-        // nut: f (r_b/r_m + 2 cosβ),  r_b/r_m + cosβ                      (Q3)
+        // Screw drive: loss f r_b/r_m, lever r_b/r_m − cosβ               (Q2)
+        // Nut drive: loss f (r_b/r_m + 2 cosβ), lever r_b/r_m + cosβ      (Q3)
         let loss = f * D::select(self.nut_turns, size + cos_b * 2.0, size);
         let lever = D::select(self.nut_turns, size + cos_b, size - cos_b);
         let effort = sin_b + f * lever + tan_rho * cos_a / sin_a;

@@ -80,8 +80,8 @@ pub(crate) struct RollingBall {
     pub(crate) steps: usize,
     /// Scaled residual of the static balance.
     residual: f64,
-    /// True if Newton's method from equal contact angles has shown that the ball has no other
-    /// rolling motion.
+    /// True if Newton's method, started from equal contact angles, has shown that the ball has no
+    /// other rolling motion.
     is_unique: bool,
 }
 
@@ -154,7 +154,7 @@ impl RollingBall {
         Self { control, unknowns, loaded, to_nut, steps, residual, is_unique: false }
     }
 
-    /// Returns the loaded contacts at nut and screw.
+    /// Returns the loaded contacts at the nut and the screw.
     fn sides(&self, contacts: &ElasticContacts) -> [LoadedContact<f64>; 2] {
         let BallLoads { loads, angles, .. } = &self.loaded;
         from_fn(|i| {
@@ -253,8 +253,8 @@ impl RacewayControl {
     /// tests).
     const SENSITIVITY_ACCURACY: f64 = 1e-10;
 
-    /// Creep speed of (E4), divided by `$r_b |W|$`. It is small compared with the slip due to the
-    /// lead, `$\sin\alpha/2$`.
+    /// Creep speed of (E4), divided by `$r_b |W|$`. The creep speed is small compared with the slip
+    /// due to the lead, `$\sin\alpha/2$`.
     pub const CREEP: f64 = 1e-4;
 
     /// Solves for the loads and contact angles, calculates the rolling motion, and integrates the
@@ -326,9 +326,8 @@ impl RacewayWorkspace {
         })
     }
 
-    /// Returns the steady state of a rolling ball, together with the number of other solutions and,
-    /// among their efficiencies, the one that differs most from the efficiency of this steady
-    /// state.
+    /// Returns the steady state of a rolling ball with information about other solutions: their
+    /// number, and the efficiency that differs most from the efficiency of this steady state.
     pub(crate) fn with_others(
         &mut self,
         screw: &ElasticPoint,
@@ -400,8 +399,8 @@ mod tests {
         }
     }
 
-    /// The quadrature error of the efficiency is 7e-7 at Lin's load. It is 1.1e-5 at 5 kN, where
-    /// the ellipse is larger.
+    /// The quadrature error of the efficiency is 7e-7 at Lin's load, and 1.1e-5 at 5 kN, where the
+    /// contact ellipse is larger.
     #[test]
     fn quadrature_error_of_the_efficiency_is_below_2e_5() {
         let fine = Quadrature::of(1e-12);
@@ -546,13 +545,13 @@ mod tests {
     /// nut-controlled ball and for the screw-controlled ball. If the two sides of (W7) are nearly
     /// equal, both balls or neither ball may satisfy it.
     #[test]
-    fn selected_controlling_raceway_does_not_depend_on_the_assumed_one_if_the_criterion_is_clear() {
+    fn clear_criterion_selects_the_same_raceway_for_nut_control_and_for_screw_control() {
         let mut rng = ChaCha8Rng::seed_from_u64(33);
         let mut newton = Workspace::default();
         let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);
         while solved < 6000 {
             let mut screw = random_extreme_screw(&mut rng);
-            // Every second point has equal conformities, for which the two sides of (W7) are nearly
+            // Every other point has equal conformities, for which the two sides of (W7) are nearly
             // equal.
             if solved % 2 == 0 {
                 screw.conformity.1 = screw.conformity.0;
@@ -577,7 +576,7 @@ mod tests {
              by neither ball: {neither}; wrongly decided: {missed}"
         );
         assert_eq!(missed, 0);
-        assert!(both + neither > 0, "the random points contain no tie");
+        assert!(both + neither > 0, "criterion (W7) is clear at all random points");
     }
 
     #[test]

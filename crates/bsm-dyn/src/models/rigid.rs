@@ -35,7 +35,7 @@ pub struct Rigid<D = f64> {
     pub point: OperatingPoint<D>,
 }
 
-/// A root of the rigid equations in the unknowns (R2).
+/// A root of the equations of the rigid model, expressed in the unknowns (R2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidRoot {
     /// Ratio `$Q_A/F_a$` of the load at A (loaded flank of the nut) to the axial load per ball.
@@ -55,14 +55,14 @@ pub struct RigidRoot {
     /// Spin moment `$s = I P\sigma/(r_b F_a)$`, where `$\sigma$` is the spin about the common
     /// normal.
     pub s: f64,
-    /// Number of sweeps, or number of Newton steps if the root was found by continuation and then
-    /// refined.
+    /// Number of sweeps of the fixed-point iteration, or number of Newton steps if the root was
+    /// found by continuation and then refined.
     pub steps: usize,
     /// Largest scaled residual of the equations.
     pub residual: f64,
 }
 
-/// The rigid equations at one operating point, for use with [`bsm_newton::solve`].
+/// The equations of the rigid model at one operating point, for use with [`bsm_newton::solve`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidSystem {
     /// Weights of the equations. The weights of the unknowns are one.
@@ -73,8 +73,9 @@ pub struct RigidSystem {
 }
 
 impl RigidSystem {
-    /// Creates the equations at an operating point in scaled units (ball radius, axial load per
-    /// ball, relative speed). Returns `None` without friction or without relative speed.
+    /// Creates the equations at an operating point in scaled units (multiples of the ball radius,
+    /// the axial load per ball and the relative speed). Returns `None` without friction or without
+    /// relative speed.
     pub fn of(case: &Rigid) -> Option<Self> {
         let ball = case.ball().ok()?;
         let first = ball.first_order();
@@ -99,8 +100,8 @@ impl RigidSystem {
 equations!(RigidSystem, BALL, RigidSystem::residual_at, ROWS);
 
 impl<D: Scalar> Rigid<D> {
-    /// Returns the operating point in scaled units: ball radius, axial load per ball and relative
-    /// speed.
+    /// Returns the operating point in scaled units, which are multiples of the ball radius, the
+    /// axial load per ball and the relative speed.
     ///
     /// # Errors
     ///
@@ -130,7 +131,7 @@ impl Rigid {
         root::critical_lead_angle(&self.ball().ok()?)
     }
 
-    /// Finds a root of the rigid equations in the unknowns (R2).
+    /// Finds a root of the equations of the rigid model, expressed in the unknowns (R2).
     ///
     /// # Errors
     ///

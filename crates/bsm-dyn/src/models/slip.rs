@@ -21,7 +21,7 @@ pub struct SteadyBall<D> {
     pub helix: Helix<D>,
     /// Ball radius `$r_b$` \[m\].
     pub radius: D,
-    /// Angular speeds of screw and nut.
+    /// Angular speeds of the screw and the nut.
     pub drive: Drive<D>,
     /// Absolute motion of the ball in the Frenet-Serret triad `(t, n, b)`.
     pub motion: Motion<D>,
@@ -83,9 +83,9 @@ fn norm<D: Scalar>(v: &Vector3<D>) -> D {
 }
 
 impl<D: Scalar> SteadyBall<D> {
-    /// Creates a ball that rolls at both contacts and does not spin at the controlling raceway.
-    /// This is raceway control without a force balance, for given contact angles at nut and screw
-    /// \[rad\] (W3) to (W6).
+    /// Creates a ball that rolls at both contacts and does not spin at the controlling raceway. The
+    /// motion follows the hypothesis of raceway control without a force balance, for given contact
+    /// angles \[rad\] at the nut and the screw (W3) to (W6).
     pub fn rolling(
         control: Control,
         helix: Helix<D>,

@@ -29,8 +29,8 @@ pub struct GrooveForces<D = f64> {
     pub angle: D,
     /// Elastic energy `$V$` \[J\].
     pub energy: D,
-    /// Force that maintains the displacement, `$\partial V/\partial w$` \[N\]. It acts on the
-    /// groove of the nut.
+    /// Force that maintains the displacement, `$\partial V/\partial w$` \[N\]. The force acts on
+    /// the groove of the nut.
     pub force: [D; 2],
     /// Stiffness, which is the derivative of the force with respect to the displacement,
     /// `$\partial^2 V/\partial w^2$` \[N/m\].
@@ -55,8 +55,8 @@ impl<D: Scalar> ElasticPoint<D> {
 }
 
 impl<D: Scalar> StaticBall<D> {
-    /// Returns load, energy and forces for a displacement of the nut groove relative to the screw
-    /// groove (J10) to (J13).
+    /// Returns the load, the energy and the forces for a displacement of the nut groove relative to
+    /// the screw groove (J10) to (J13).
     ///
     /// The elastic energy is a convex function of the displacement.
     ///
@@ -105,7 +105,7 @@ impl StaticBall {
     ///
     /// # Errors
     ///
-    /// Returns [`EvalError`] if no displacement can carry the load.
+    /// Returns [`EvalError`] if the ball cannot carry the load at any displacement.
     pub fn under(&self, axial: f64, lead_angle: f64) -> Result<(f64, GrooveForces), EvalError> {
         let domain_error = EvalError {
             quantity: "axial load of a ball [N]",
@@ -131,7 +131,7 @@ impl StaticBall {
         };
         let found = bracket.root(|u| {
             let ball = at(u);
-            // F_a = Q m_b cosα,  w = (u cosα, 0);  F_a^(2/3) is nearly straight in u  (J14)
+            // F_a = Q m_b cosα, w = (u cosα, 0); F_a^(2/3) is nearly linear in u      (J14)
             let force = ball.force[0] * cos_a;
             let excess = 1.5 * force * (1.0 - (axial / force).cbrt().powi(2));
             (excess, ball.slope[0][0] * cos_a * cos_a)
@@ -168,8 +168,8 @@ mod tests {
         assert_relative_eq!(along, 1.399_319_430_252_6e9, max_relative = 1e-9);
     }
 
-    /// In the limit of low speed, the loads and contact angles of a rolling ball agree with those
-    /// of a ball at rest.
+    /// In the limit of low speed, a rolling ball has the same loads and contact angles as a ball at
+    /// rest.
     #[test]
     fn static_ball_agrees_with_raceway_control_at_low_speed() {
         for axial in [10.0, 6340.0, 90e3] {

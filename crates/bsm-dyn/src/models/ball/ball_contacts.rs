@@ -1,6 +1,6 @@
-//! A ball between elastic raceways in scaled units (ball radius, axial load per ball, relative
-//! speed), for one point or for several points side by side. Angles are given by their sines and
-//! cosines.
+//! A ball between elastic raceways in scaled units (multiples of the ball radius, the axial load
+//! per ball and the relative speed), for one operating point or for several points side by side in
+//! a SIMD vector. Angles are given by their sines and cosines.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1), (P2), (P6).
 
@@ -14,7 +14,7 @@ use crate::contact::{
 use crate::ellipse::pressed_radius;
 
 /// A ball between elastic raceways, in scaled units. Arrays with two elements contain the values at
-/// nut and screw.
+/// the nut and the screw.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ScaledBall<P = f64> {
     /// Sine and cosine of the lead angle.
@@ -29,7 +29,7 @@ pub struct ScaledBall<P = f64> {
     pub nut_speed: P,
     /// Radial distance `$A_2$` between the groove arc centers (J2).
     pub radial_distance: P,
-    /// Distances `$l_0$` between arc center and ball center at first contact.
+    /// Distances `$l_0$` between the arc center and the ball center at first contact.
     pub offsets: [P; 2],
     /// Hertz approaches under a normal load that equals the axial load per ball.
     pub approaches: [P; 2],
@@ -58,7 +58,7 @@ impl<P: Real> ScaledBall<P> {
     /// Returns the axial play of one nut below which the ball touches a far flank (AC7). The result
     /// is zero if the ball does not touch a far flank even without play.
     ///
-    /// * `sides`: contacts at nut and screw.
+    /// * `sides`: contacts at the nut and the screw.
     #[inline(always)]
     fn threshold_play(&self, sides: &[LoadedContact<P>; 2]) -> P {
         let [l_a, l_b] = self.offsets;
@@ -72,11 +72,12 @@ impl<P: Real> ScaledBall<P> {
     }
 }
 
-/// Returns the axial play of one nut below which a ball on two contacts touches the far flank of a
-/// groove (AC7). The result is zero if the ball does not touch the far flank even without play.
+/// Returns the axial play of one nut below which a ball with two loaded contacts touches the far
+/// flank of a groove (AC7). The result is zero if the ball does not touch the far flank even
+/// without play.
 ///
-/// * `across`, `offset`: distances `$l_0\sin\beta_0$` and `$l_0$`, both reduced by the excess
-///   radius of the ball.
+/// * `across`, `offset`: distances `$l_0\sin\beta_0$` and `$l_0$`, both reduced by the amount by
+///   which the ball radius exceeds its nominal value.
 /// * `length`: distance from the arc center of the loaded flank to the ball center.
 /// * `(sin, cos)`: sine and cosine of the contact angle.
 /// * `cos_lead`: cosine of the lead angle.
@@ -111,7 +112,7 @@ pub struct ScaledSize<F> {
 /// A Hertz contact of ball and groove.
 #[derive(Debug, Clone, Copy)]
 pub struct GrooveContact<F> {
-    /// Distance `$l_0$` between arc center and ball center at first contact (H2).
+    /// Distance `$l_0$` between the arc center and the ball center at first contact (H2).
     pub offset: F,
     /// Radius of the deformed contact surface (E2).
     pub pressed_radius: F,
@@ -121,7 +122,7 @@ pub struct GrooveContact<F> {
     pub hertz: Hertz<F>,
 }
 
-/// A ball with its contacts at nut and screw.
+/// A ball with its contacts at the nut and the screw.
 #[derive(Clone, Copy)]
 pub struct BallContacts<F: Real> {
     /// The ball in scaled units.
@@ -130,7 +131,7 @@ pub struct BallContacts<F: Real> {
     pub sin_b: F,
     /// Cosine of the unloaded contact angle.
     pub cos_b: F,
-    /// Hertz contacts at nut and screw.
+    /// Hertz contacts at the nut and the screw.
     pub pressed: [GrooveContact<F>; 2],
     /// True if no number overflows or underflows and the aspect ratios of both contact ellipses are
     /// within the range that occurs in practice.
@@ -159,7 +160,7 @@ pub struct LoadedContact<D> {
 impl<D: Real> LoadedContact<D> {
     /// Creates the contact with a given load and contact angle.
     ///
-    /// * `offset`: distance `$l_0$` between arc center and ball center at first contact.
+    /// * `offset`: distance `$l_0$` between the arc center and the ball center at first contact.
     /// * `compliance`: approach under a normal load that equals the axial load per ball.
     /// * `(sin, cos)`: sine and cosine of the contact angle.
     #[inline(always)]
@@ -239,10 +240,10 @@ impl<F: Real> GrooveContact<F> {
 }
 
 impl<F: Real> BallContacts<F> {
-    /// Creates a ball with its contacts at nut and screw.
+    /// Creates a ball with its contacts at the nut and the screw.
     ///
-    /// * `sines`: sines and cosines of lead angle and unloaded contact angle.
-    /// * `conformities`: conformities of nut and screw.
+    /// * `sines`: sines and cosines of the lead angle and the unloaded contact angle.
+    /// * `conformities`: conformities of the nut and the screw.
     #[inline(always)]
     pub fn new(sines: &Sines<F>, conformities: [F; 2], size: &ScaledSize<F>) -> Self {
         let &Sines { sin_a, cos_a, sin_b, cos_b } = sines;
@@ -250,7 +251,7 @@ impl<F: Real> BallContacts<F> {
         let screw = Groove { member: Raceway::Screw, conformity: conformities[1] };
         let (nut, at_nut) = GrooveContact::of(&nut, sines.tan_a(), cos_b, size);
         let (screw, at_screw) = GrooveContact::of(&screw, sines.tan_a(), cos_b, size);
-        // Lengths in r_b, forces in F_a, speeds in W                      (P1)
+        // Lengths are divided by r_b, forces by F_a, and speeds by W      (P1)
         let scaled = ScaledBall {
             lead: (sin_a, cos_a),
             radius: size.radius,
@@ -277,7 +278,7 @@ impl<F: Real> BallContacts<F> {
         Self { scaled, sin_b, cos_b, pressed: [nut, screw], regular }
     }
 
-    /// Returns a constant that has the same value at every point.
+    /// Converts the number `x` to the scalar type `F`, with the same value at all points.
     #[inline(always)]
     pub fn constant(&self, x: f64) -> F {
         self.scaled.arc.constant(x)
@@ -299,13 +300,13 @@ impl<F: Real> BallContacts<F> {
     }
 }
 
-/// Motion of a ball on two elastic contacts, with lengths divided by the ball radius and speeds
-/// divided by `$W$`. Arrays with two elements contain the values at nut and screw.
+/// Motion of a ball with two elastic contacts, with lengths divided by the ball radius and speeds
+/// divided by `$W$`. Arrays with two elements contain the values at the nut and the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct ElasticMotion<F> {
     /// Slip speeds at the contact centers, not negative.
     pub slip: [F; 2],
-    /// Spins about the contact normals, relative to nut and screw.
+    /// Spins about the contact normals, relative to the nut and the screw.
     pub spin: [F; 2],
     /// Directions of the friction forces \[rad\]; `None` if they were not requested.
     pub slip_angles: Option<[F; 2]>,
@@ -320,7 +321,7 @@ pub struct ElasticMotion<F> {
 impl<F: Real> ElasticMotion<F> {
     /// Converts the motion to the state of the ball in SI units.
     ///
-    /// * `angles`, `sides`: contact angles \[rad\] and contacts at nut and screw.
+    /// * `angles`, `sides`: contact angles \[rad\] and contacts at the nut and the screw.
     /// * `displacement`: displacement of the nut along the binormal, divided by the ball radius.
     #[inline(always)]
     pub fn state(

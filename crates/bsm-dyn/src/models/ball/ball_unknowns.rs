@@ -15,8 +15,8 @@ pub(crate) mod unknown {
     pub(crate) const NUT_LOAD: usize = 0;
     /// Ratio of the load at A' (unloaded flank of the nut) to the axial load per ball.
     pub(crate) const UNLOADED_FLANK_LOAD: usize = 1;
-    /// Half the difference between the contact angles at B and A, or the contact angle at A (T10)
-    /// \[rad\].
+    /// Half the difference between the contact angles at B and A, or the contact angle at A if the
+    /// unknowns (T10) are used \[rad\].
     pub(crate) const TILT: usize = 1;
     /// Ratio of the load at B (loaded flank of the screw) to the axial load per ball.
     pub(crate) const SCREW_LOAD: usize = 2;

@@ -31,14 +31,14 @@ use crate::outcome::{Direction, NoAnswer, Reason};
 pub struct ElasticPoint<D = f64> {
     /// Geometry, friction, speeds and load.
     pub point: OperatingPoint<D>,
-    /// Conformities of nut and screw: ratios of groove radius to ball diameter, above 1/2.
+    /// Conformities of the nut and the screw: ratios of groove radius to ball diameter, above 1/2.
     pub conformity: (D, D),
     /// Elastic constants of the raceways and of the ball.
     pub material: (Material<D>, Material<D>),
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Returns the Hertz contacts at nut and screw.
+    /// Returns the Hertz contacts at the nut and the screw.
     ///
     /// # Errors
     ///
@@ -49,7 +49,7 @@ impl<D: Scalar> ElasticPoint<D> {
         Hertz::side_by_side(&self.curvatures(), modulus)
     }
 
-    /// Returns the relative curvatures at nut and screw \[1/m\].
+    /// Returns the relative curvatures at the nut and the screw \[1/m\].
     pub(crate) fn curvatures(&self) -> [Curvatures<D>; 2] {
         let (r_m, r_b) = (self.point.helix.radius, self.point.ball.radius);
         let (lead, beta) = (self.point.helix.lead_angle, self.point.contact_angle);
@@ -58,7 +58,7 @@ impl<D: Scalar> ElasticPoint<D> {
 
     /// Returns the operating point for a ball with a different radius and with a radial gap between
     /// the grooves. The contact angle at first contact changes accordingly (U34); the groove radii
-    /// stay unchanged.
+    /// remain unchanged.
     ///
     /// * `radial_gap`: radial gap between nut and screw grooves \[m\].
     /// * `oversize`: excess of the ball radius over the nominal radius \[m\].
@@ -101,14 +101,14 @@ impl<D: Scalar> ElasticPoint<D> {
         ]
     }
 
-    /// Returns the operating point in scaled units: ball radius, axial load per ball and relative
-    /// speed (P1).
+    /// Returns the operating point in scaled units, which are multiples of the ball radius, the
+    /// axial load per ball and the relative speed (P1).
     ///
     /// # Errors
     ///
     /// Returns [`NoAnswer`] if the inputs are invalid.
     pub(crate) fn scaled(&self) -> Result<ElasticContacts<D>, NoAnswer> {
-        // Lengths in r_b, forces in F_a, speeds in W, Eq (R1)             (P1)
+        // Lengths are divided by r_b, forces by F_a, and speeds by W (R1)  (P1)
         let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
         let hertz = self.hertz().map_err(NoAnswer::invalid)?;
         let (r_b, load) = (self.point.ball.radius, self.point.load.per_ball());
@@ -157,7 +157,7 @@ pub(crate) struct ElasticContacts<P = f64> {
     pub(crate) friction: P,
     /// Direction of the drive, which determines the sign of `$W$`.
     pub(crate) direction: Direction,
-    /// Hertz contacts at nut and screw, in SI units.
+    /// Hertz contacts at the nut and the screw, in SI units.
     pub(crate) hertz: [Hertz<P>; 2],
 }
 
@@ -170,23 +170,23 @@ pub(crate) fn to_both<D: Scalar>(to_nut: &Motion<D>, frame: &BallFrame<D>) -> [M
 /// Both contacts of a ball for given loads and tilt, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BallLoads<D> {
-    /// Normal loads at nut and screw.
+    /// Normal loads at the nut and the screw.
     pub(crate) loads: [D; 2],
     /// Half the difference between the contact angles at screw and nut \[rad\].
     pub(crate) tilt: D,
-    /// Contact angles at nut and screw \[rad\].
+    /// Contact angles at the nut and the screw \[rad\].
     pub(crate) angles: [D; 2],
     /// Triad rotated to the mean contact normal, or to the contact normal at the nut (P8).
     pub(crate) frame: BallFrame<D>,
-    /// Contacts at nut and screw.
+    /// Contacts at the nut and the screw.
     pub(crate) contacts: [Contact<D>; 2],
     /// Axial displacement of the nut in scaled units.
     pub(crate) displacement: D,
 }
 
 impl<P: Scalar> ElasticContacts<P> {
-    /// Changes the sign of a friction force or power if `$W$` is negative. This is necessary if the
-    /// force or power was calculated from the slip divided by `$W$`.
+    /// Changes the sign of a friction force or power if `$W$` is negative. The change of sign is
+    /// necessary if the force or power was calculated from the slip divided by `$W$`.
     pub(crate) fn signed<D: Over<P>>(&self, size: D) -> D {
         size * self.direction.sign()
     }
@@ -209,8 +209,8 @@ impl<P: Scalar> ElasticContacts<P> {
         from_fn(|i| self.approach_of(i, loads[i]))
     }
 
-    /// Returns the elastic approach at nut (0) or screw (1) in units of the ball radius, for a load
-    /// in units of the axial load per ball (P2).
+    /// Returns the elastic approach at the nut (0) or the screw (1) in units of the ball radius,
+    /// for a load in units of the axial load per ball (P2).
     pub(crate) fn approach_of<D: Over<P>>(&self, i: usize, load: D) -> D {
         load.cbrt().square() * self.scaled.approaches[i]
     }
@@ -248,7 +248,7 @@ impl<P: Scalar> ElasticContacts<P> {
     ) -> Result<BallLoads<D>, EvalError> {
         let (jones, approaches) = self.pressed(loads)?;
         let (screw, displacement) = jones.opposite(approaches, nut)?;
-        // The triad is rotated to β_A, and then by β_B − β_A to the contact normal at B  (P8)
+        // The triad is aligned with the normal at A; the normal at B is tilted by β_B − β_A  (P8)
         let frame = BallFrame::turned(D::from(self.helix.lead_angle), nut);
         let contacts =
             [Contact::tilted(Site::Nut, D::from(0.0)), Contact::tilted(Site::Screw, screw - nut)];
@@ -256,7 +256,8 @@ impl<P: Scalar> ElasticContacts<P> {
         Ok(BallLoads { loads, tilt, angles, frame, contacts, displacement })
     }
 
-    /// Returns the groove arcs and the approaches under two loads (P2).
+    /// Returns the groove geometry and the elastic approaches for the given loads at the nut and
+    /// the screw (P2).
     fn pressed<D: Over<P>>(&self, loads: [D; 2]) -> Result<(Jones<D>, [D; 2]), EvalError> {
         let least = loads[0].re().min(loads[1].re());
         if least.is_nan() || least <= 0.0 {
@@ -285,7 +286,7 @@ impl<P: Scalar> ElasticContacts<P> {
     /// the triad (t, N, e_x) of the loaded contacts, and axial force balance of the nut.
     ///
     /// * `motion`: absolute motion of the ball.
-    /// * `wrenches`: forces and moments that nut and screw exert on the ball.
+    /// * `wrenches`: forces and moments that the nut and the screw exert on the ball.
     pub(crate) fn balance<D: Over<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -300,8 +301,8 @@ impl<P: Scalar> ElasticContacts<P> {
         ball_unknowns::rows(&residual, axial_force(&nut.force, &loaded.frame) - 1.0)
     }
 
-    /// Returns the friction powers of the contact ellipses at nut and screw, divided by `$W$`, for
-    /// a motion relative to the nut (P7).
+    /// Returns the friction powers of the contact ellipses at the nut and the screw, divided by
+    /// `$W$`, for a motion relative to the nut (P7).
     pub(crate) fn friction_powers<D: Integrate<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -315,8 +316,8 @@ impl<P: Scalar> ElasticContacts<P> {
         from_fn(|i| loaded.loads[i] * self.directed_friction() * powers[i])
     }
 
-    /// Returns the friction powers at nut and screw that would result with a friction coefficient
-    /// of one.
+    /// Returns the friction powers at the nut and the screw that would result with a friction
+    /// coefficient of one.
     pub(crate) fn unit_powers<D: Integrate<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -346,7 +347,7 @@ impl<P: Scalar> ElasticContacts<P> {
         )
     }
 
-    /// Creates the contact patches at nut and screw over which friction is integrated (P6).
+    /// Creates the contact patches at the nut and the screw over which friction is integrated (P6).
     ///
     /// * `motions`: motions of the ball relative to the raceways.
     pub(crate) fn patches<D: Over<P>>(
@@ -361,7 +362,7 @@ impl<P: Scalar> ElasticContacts<P> {
         })
     }
 
-    /// Returns the loaded contact ellipse at nut (0) or screw (1) (P6).
+    /// Returns the loaded contact ellipse at the nut (0) or the screw (1) (P6).
     pub(crate) fn ellipse<D: Over<P>>(&self, i: usize, loaded: &BallLoads<D>) -> Ellipse<D, P> {
         // a ~ Q^{1/3}                                                     (P6)
         let (load, (a, b)) = (loaded.loads[i], self.scaled.semi_axes[i]);
@@ -377,7 +378,8 @@ impl<P: Scalar> ElasticContacts<P> {
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Returns efficiency and torque from the scaled force and moment of the screw on the ball.
+    /// Calculates the efficiency and the torque from the scaled force and moment of the screw on
+    /// the ball.
     pub(crate) fn transmitted(
         &self,
         contacts: &ElasticContacts<D>,
@@ -387,7 +389,7 @@ impl<D: Scalar> ElasticPoint<D> {
         self.transmitted_torque(contacts, torque(screw, contacts.helix.radius, frame))
     }
 
-    /// Returns efficiency and torque from the scaled torque on the screw.
+    /// Calculates the efficiency and the torque from the scaled torque on the screw.
     pub(crate) fn transmitted_torque(
         &self,
         contacts: &ElasticContacts<D>,
@@ -407,8 +409,8 @@ impl ElasticPoint {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if a contact angle is not in \[0, π/2). A contact at an angle of 0 is
-    /// at the bottom of the gothic arch, where the ball touches the other flank. At π/2, the
+    /// Returns [`NoAnswer`] if a contact angle is not in \[0, π/2). At an angle of 0, the contact
+    /// is at the bottom of the gothic arch, where the ball touches the other flank. At π/2, the
     /// contact normal is axial, and no groove extends beyond this point.
     pub(crate) fn ball_state(
         &self,
@@ -441,8 +443,8 @@ impl ElasticPoint {
         Ok(motion.state(scaled, sides, loaded.displacement, &units))
     }
 
-    /// Returns torque, efficiency and powers from the scaled torque on the screw, after checking
-    /// the power balance.
+    /// Calculates the torque, the efficiency and the powers from the scaled torque on the screw,
+    /// and checks the power balance.
     ///
     /// * `friction_power`: scaled friction power, divided by `$W$`.
     ///

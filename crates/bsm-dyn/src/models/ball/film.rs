@@ -20,21 +20,21 @@ use crate::outcome::NoAnswer;
 /// Magnitude of the load exponent in the film thickness formula (Y7) (dimensionless).
 pub(crate) const FILM_LOAD_EXPONENT: f64 = 0.067;
 
-/// Constants of one lubricated contact in SI units, independent of load and speed. Storing them
-/// avoids repeated evaluation of powers.
+/// Constants of one lubricated contact in SI units, independent of load and speed. Storing these
+/// constants avoids repeated evaluation of powers.
 #[derive(Debug, Clone, Copy)]
 struct Gap<P> {
     /// Radius along the track `$R_x = 1/\rho_t$`.
     radius: P,
-    /// Ratio of the semi-axes `$b/a$` (along the groove to across the groove).
+    /// Ratio `$b/a$` of the semi-axis along the groove to the semi-axis across the groove.
     flatness: P,
     /// Semi-axis across the groove divided by the cube root of the load.
     semi_axis: P,
     /// Combined roughness of both surfaces.
     roughness: P,
-    /// Factors that convert speed to dimensionless speed `$U$`, and load to dimensionless load
-    /// `$W$` (Y6).
+    /// Factor that converts speed to dimensionless speed `$U$` (Y6).
     rate: P,
+    /// Factor that converts load to dimensionless load `$W$` (Y6).
     weight: P,
     /// Ratio of `$L^{0.62}$` in (Y8) to `$U^{1.24}$`.
     heat: P,
@@ -95,11 +95,11 @@ pub struct ScaledFilm<D> {
 }
 
 impl<P: Real> EhlPoint<P> {
-    /// Creates the lubrication data for the contacts at nut and screw.
+    /// Creates the lubrication data for the contacts at the nut and the screw.
     ///
     /// * `kelvin`: temperature of the oil \[K\].
-    /// * `curvatures`: relative curvatures at nut and screw \[1/m\].
-    /// * `hertz`: Hertz contacts at nut and screw, for loads in N.
+    /// * `curvatures`: relative curvatures at the nut and the screw \[1/m\].
+    /// * `hertz`: Hertz contacts at the nut and the screw, for loads in N.
     /// * `modulus`: contact modulus `$E^*$` \[Pa\].
     #[inline(always)]
     pub fn of(
@@ -191,8 +191,8 @@ pub struct FilmLoss<F = f64> {
     pub rolling: F,
     /// Semi-axes across and along the groove \[m\].
     pub semi_axes: (F, F),
-    /// Ratio of minimum to central film thickness (Y36), and load parameter `$M$` (Y17), if
-    /// requested.
+    /// Ratio of minimum to central film thickness (Y36) and load parameter `$M$` (Y17), calculated
+    /// only if requested.
     pub inlet: [F; 2],
 }
 
@@ -216,10 +216,10 @@ impl<F: Real> FilmLoss<F> {
 }
 
 impl<F: Real> EhlPoint<F> {
-    /// Returns the state of the oil films at nut and screw with the power losses of all balls, in
-    /// SI units.
+    /// Returns the state of the oil films at the nut and the screw with the power losses of all
+    /// balls, in SI units.
     ///
-    /// * `losses`: oil films and power losses of the contacts at nut and screw.
+    /// * `losses`: oil films and power losses of the contacts at the nut and the screw.
     /// * `(unit, balls)`: unit of power for all balls \[W\], and number of balls.
     /// * `outside`: power losses outside the contacts \[W\].
     /// * `(back, tan_a, efficiency)`: mask that is true if the load back-drives the screw, tangent
@@ -307,7 +307,7 @@ fn catalog_friction<F: Real>(back: F::Mask, tan: F, efficiency: F) -> F {
 }
 
 impl EhlPoint {
-    /// Returns the dimensionless load parameter `$M$` at nut (0) or screw (1) (Y17).
+    /// Returns the dimensionless load parameter `$M$` at the nut (0) or the screw (1) (Y17).
     ///
     /// * `load`: normal load in scaled units.
     pub(crate) fn elasticity(&self, i: usize, load: f64, film: &ScaledFilm<f64>) -> f64 {
@@ -316,7 +316,8 @@ impl EhlPoint {
         gap.elasticity(root, load * self.units.load * gap.weight)
     }
 
-    /// Returns the ratio of minimum to central film thickness at nut (0) or screw (1) (Y36).
+    /// Returns the ratio of minimum to central film thickness at the nut (0) or the screw (1)
+    /// (Y36).
     ///
     /// * `load`: normal load in scaled units.
     ///
@@ -393,9 +394,9 @@ impl<P: Real> Gap<P> {
             weight: (modulus * radius.square()).recip(),
             heat: heat.powf(0.62),
             film: radius * stiffening * shape * lubricant.film_factor * 2.69,
-            // B^{1/4} k in M                                              (Y17)
+            // Factor B^{1/4} k of M                                       (Y17)
             elastic: (log_inlet * 0.25).exp() * flatness,
-            // 0.77 B^{−1/3} k^0.12 U₂^{−1/12},  c = 1.8 B^{−1/4}          (Y16)
+            // Factor 0.77 B^{−1/3} k^0.12, and constant c = 1.8 B^{−1/4}  (Y16)
             rigid: (flatness.ln() * 0.12 - log_inlet * (1.0 / 3.0)).exp() * 0.77,
             flat: (log_inlet * -0.25).exp() * 1.8,
             rolling: radius * modulus * lubricant.rolling_factor * lubricant.film_factor * 2.0,
@@ -436,15 +437,15 @@ pub(crate) struct EhlLoss<D> {
     pub(crate) film: ScaledFilm<D>,
     /// Wrench of friction and rolling resistance on the ball.
     pub(crate) wrench: Wrench<D>,
-    /// Sliding power divided by `$W$`. It carries derivatives with respect to the inputs, but not
-    /// with respect to the unknowns.
+    /// Sliding power divided by `$W$`. The power carries derivatives with respect to the inputs,
+    /// but not with respect to the unknowns.
     pub(crate) sliding: D,
     /// Power of the rolling resistance divided by `$W$`.
     pub(crate) rolling: D,
 }
 
 impl<P: Scalar> EhlPoint<P> {
-    /// Calculates films, friction and rolling resistance at nut and screw.
+    /// Calculates the oil films, the friction and the rolling resistance at the nut and the screw.
     ///
     /// * `motions`: motions of the ball relative to the raceways.
     pub(crate) fn losses<D: Integrate<P>>(
@@ -467,9 +468,9 @@ impl<P: Scalar> EhlPoint<P> {
         })
     }
 
-    /// Calculates film, sliding power and rolling resistance with a single friction coefficient for
-    /// the whole contact, evaluated at the load-weighted means of pressure and slip speed (Y23).
-    /// The wrench does not include friction.
+    /// Calculates the oil film, the sliding power and the rolling resistance with a single friction
+    /// coefficient for the whole contact, evaluated at the load-weighted means of pressure and slip
+    /// speed (Y23). The returned wrench does not include friction.
     ///
     /// * `unit`: sliding power for a friction coefficient of one, divided by `$W$`.
     pub(crate) fn mean_loss<D: Over<P>>(
@@ -485,8 +486,8 @@ impl<P: Scalar> EhlPoint<P> {
         EhlLoss { sliding: mean * unit, ..loss }
     }
 
-    /// Calculates film and rolling resistance for a given sliding power. The wrench does not
-    /// include friction.
+    /// Calculates the oil film and the rolling resistance for a given sliding power. The returned
+    /// wrench does not include friction.
     ///
     /// * `sliding`: sliding power divided by `$W$`.
     pub(crate) fn loss_of<D: Over<P>>(
@@ -506,8 +507,8 @@ impl<P: Scalar> EhlPoint<P> {
         EhlLoss { film, wrench: wrench * contacts.signed(D::from(1.0)), sliding, rolling }
     }
 
-    /// Returns the oil film at nut (0) or screw (1), the direction `$t \times N$`, and the angular
-    /// velocity about this direction.
+    /// Returns the oil film at the nut (0) or the screw (1), the direction `$t \times N$`, and the
+    /// angular velocity about this direction.
     fn film_at<D: Over<P>>(
         &self,
         i: usize,
@@ -534,8 +535,8 @@ impl<D: Real> ScaledFilm<D> {
         self.law.at(slip.constant(0.75), slip)
     }
 
-    /// Returns the force of the rolling resistance along `$t$` at the center of the contact, and
-    /// its couple about `$t \times N$`.
+    /// Returns the rolling resistance of the contact: its force along `$t$` at the contact center,
+    /// and its couple about `$t \times N$`.
     ///
     /// * `transverse`: angular velocity about `$t \times N$` relative to the raceway.
     #[inline(always)]
@@ -547,7 +548,7 @@ impl<D: Real> ScaledFilm<D> {
         [push, -twist]
     }
 
-    /// Returns the power of the rolling resistance.
+    /// Returns the power that is dissipated by the rolling resistance.
     ///
     /// * `speed`, `around`: speeds as in [`EhlPoint::of_motion`].
     #[inline(always)]
@@ -578,7 +579,7 @@ impl LubricatedWorkspace {
 pub(crate) struct LubricatedState<D = f64> {
     pub(crate) loaded: BallLoads<D>,
     pub(crate) to_nut: Motion<D>,
-    /// Losses of the contacts at nut and screw.
+    /// Losses of the contacts at the nut and the screw.
     pub(crate) losses: [EhlLoss<D>; 2],
     /// Torque of the contacts on the screw \[N·m\].
     pub(crate) torque: D,
@@ -588,7 +589,8 @@ pub(crate) struct LubricatedState<D = f64> {
 pub(crate) struct SteadyRoot {
     pub(crate) contacts: ElasticContacts,
     pub(crate) steady: LubricatedState,
-    /// Sliding powers at nut and screw that would result with a friction coefficient of one.
+    /// Sliding powers at the nut and the screw that would result with a friction coefficient of
+    /// one.
     pub(crate) unit: [f64; 2],
     pub(crate) skid: SkidNumbers,
     pub(crate) info: SolveInfo,
@@ -599,8 +601,8 @@ pub(crate) struct SteadyRoot {
 
 impl EhlPoint {
     /// Returns the friction coefficient that would result if the oil reached its limiting shear
-    /// stress everywhere in the contact. The result is the larger of the coefficients at nut and
-    /// screw.
+    /// stress everywhere in the contact. The result is the larger of the coefficients at the nut
+    /// and the screw.
     pub(crate) fn friction_scale(
         &self,
         contacts: &ElasticContacts,

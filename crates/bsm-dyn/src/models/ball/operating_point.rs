@@ -8,21 +8,21 @@ use super::state::Transmission;
 use crate::contact::{Ball, Coulomb, Load, ideal_torque};
 use crate::outcome::{Direction, NoAnswer, Reason};
 
-/// Minimum inertia ratio (dimensionless). For larger values, the square of the inertia ratio and
-/// its ratios to loads are representable in double precision. Even extreme operating points are
-/// above 1e-45.
+/// Minimum inertia ratio (dimensionless). Above this limit, the square of the inertia ratio and the
+/// ratios of inertia forces to loads are representable in double precision. Even extreme operating
+/// points have inertia ratios above 1e-45.
 const MIN_INERTIA_RATIO: f64 = 1e-100;
 
 /// Maximum inertia ratio (dimensionless) at which the balance of inertia forces and loads can be
-/// solved in double precision. Even extreme operating points are below 1e20.
+/// solved in double precision. Even extreme operating points have inertia ratios below 1e20.
 const MAX_INERTIA_RATIO: f64 = 1e28;
 
-/// Minimum friction coefficient (dimensionless). Smaller friction forces are hidden by rounding
-/// errors of the loads.
+/// Minimum friction coefficient (dimensionless). With a smaller coefficient, the friction forces
+/// would be lost in the rounding errors of the loads.
 const MIN_FRICTION: f64 = 1e-12;
 
 /// Returns true if friction and inertia are within the range of the models whose force balance
-/// includes friction, for one point or for several points side by side.
+/// includes friction, for one operating point or for several points side by side in a SIMD vector.
 ///
 /// * `inertia_ratio`: ratio of inertia force to axial load, `$\mu = m r_m W^2/F_a$`.
 #[inline(always)]
@@ -52,13 +52,14 @@ pub struct OperatingPoint<D = f64> {
     /// Friction coefficient, which must be positive for models whose force balance includes
     /// friction.
     pub friction: Coulomb<D>,
-    /// Angular speeds of screw and nut.
+    /// Angular speeds of the screw and the nut.
     pub drive: Drive<D>,
     /// External load on the balls.
     pub load: Load<D>,
 }
 
-/// An operating point in scaled units: ball radius, axial load per ball and relative speed.
+/// An operating point in scaled units, which are multiples of the ball radius, the axial load per
+/// ball and the relative speed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BallUnits<D> {
     /// Helix of the ball centers, whose radius is the ratio `$r_m/r_b$` in scaled units.
@@ -91,8 +92,8 @@ impl<F: Real> AnswerUnits<F> {
         self.speed.lt(self.speed.constant(0.0))
     }
 
-    /// Returns efficiency, torque and powers, together with the relative error of the power
-    /// balance.
+    /// Returns the efficiency, the torque and the powers, together with the relative error of the
+    /// power balance.
     ///
     /// * `ideal`: torque of the frictionless screw \[N·m\].
     /// * `torque`: scaled torque on the screw.
@@ -137,12 +138,12 @@ impl<D: Scalar> OperatingPoint<D> {
         Ok(())
     }
 
-    /// Returns the operating point in scaled units: ball radius, axial load per ball and relative
-    /// speed (R1).
+    /// Returns the operating point in scaled units, which are multiples of the ball radius, the
+    /// axial load per ball and the relative speed (R1).
     ///
     /// # Errors
     ///
-    /// Returns [`Reason::NoRelativeSpeed`] if nut and screw turn at the same speed, and
+    /// Returns [`Reason::NoRelativeSpeed`] if the nut and the screw turn at the same speed, and
     /// [`Reason::InertiaOutOfRange`] if the inertia ratio is too small or too large.
     pub(crate) fn in_own_units(&self) -> Result<BallUnits<D>, NoAnswer> {
         let Self { helix, ball, drive, load, .. } = self;

@@ -1,5 +1,5 @@
-//! Derivatives of efficiency and torque at a solved point, calculated with the implicit function
-//! theorem.
+//! Derivatives of the efficiency and the torque at a solved point, calculated with the implicit
+//! function theorem.
 //!
 //! Each input is a jet, which contains a value and its derivatives. Theory:
 //! `docs/theory/12-sensitivities.md`, equations (V1) to (V3), (V5).

@@ -14,7 +14,8 @@ pub struct Solution {
     pub model: Model,
     /// The steady state, or the reason why there is none.
     pub answer: Result<SteadyState, NoAnswer>,
-    /// Reason why the model was chosen; `None` if the model was specified.
+    /// Reason why the model `auto` chose this model; `None` if the model was specified by the
+    /// caller.
     pub choice: Option<Choice>,
 }
 

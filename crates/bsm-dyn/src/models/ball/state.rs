@@ -54,8 +54,8 @@ pub struct FarFlank<F = f64> {
     pub gap: F,
     /// Contact with the more heavily loaded far flank; `None` if the ball touches no far flank.
     pub contact: Option<ThirdContact<F>>,
-    /// Friction power of all balls \[W\] if each ball had only two contacts; `None` if a ball with
-    /// two contacts has no steady motion.
+    /// Friction power of all balls \[W\] that would result if each ball had only two contacts;
+    /// `None` if a ball with two contacts has no steady motion.
     pub two_contact_power: Option<F>,
 }
 
@@ -114,7 +114,7 @@ pub struct SkidNumbers<F = f64> {
     /// Ratio of gyroscopic moment to friction moment of the rolling ball (W9); `None` without
     /// friction.
     pub skid_number: Option<F>,
-    /// Ratio of the slip across the grooves due to the lead to the slip due to spin (W10); `None`
+    /// Slip across the grooves due to the lead, divided by the slip due to spin (W10); `None`
     /// without spin.
     pub cross_slip: Option<F>,
 }
@@ -136,8 +136,8 @@ impl<F: Real> SkidNumbers<F> {
     /// Returns the onset number (W11), which is the skid number of a ball whose friction also has
     /// to oppose the slip due to the lead.
     ///
-    /// Balls roll if the onset number is below [`MAX_ROLLING_ONSET`]. If it is above 2, friction is
-    /// nearly saturated.
+    /// Balls roll if the onset number is below [`MAX_ROLLING_ONSET`]. If the onset number is above
+    /// 2, friction is nearly saturated.
     #[inline(always)]
     pub fn onset_number(&self) -> Option<F> {
         Some(onset_number(self.skid_number?, self.cross_slip?))
@@ -168,13 +168,13 @@ pub struct SteadyState<F: Real = f64> {
     pub control: Option<ControllingRaceway>,
     /// Other admissible solutions; `None` if the model did not search for them.
     pub alternatives: Option<Alternatives>,
-    /// Error bounds of efficiency and power loss. For the model `traction`, they limit the
-    /// quadrature error; for the model `auto`, they limit the difference from `traction`.
+    /// Error bounds of the efficiency and the power loss. For the model `traction`, these bounds
+    /// limit the quadrature error; for the model `auto`, they limit the difference from `traction`.
     pub error: Option<ErrorBound<F>>,
     /// Oil films of a lubricated ball; `None` for a constant friction coefficient.
     pub film: Option<FilmState<F>>,
-    /// Friction powers of all balls at nut and screw \[W\]; available only for raceway control,
-    /// lubricated balls, and balls that touch a far flank.
+    /// Friction powers of all balls at the nut and the screw \[W\]; available only for raceway
+    /// control, lubricated balls, and balls that touch a far flank.
     pub contact_power: Option<[F; 2]>,
     /// State of the far flanks; `None` if no axial play is given.
     pub far_flank: Option<FarFlank<F>>,
@@ -191,7 +191,7 @@ pub struct ErrorBound<F = f64> {
 
 impl ErrorBound {
     /// Calculates the error bound of the power loss from an efficiency and its error bound. The
-    /// given load must act on the driven side (screw or nut).
+    /// result is valid only if the axial load is given rather than the torque.
     pub fn of(direction: Direction, efficiency: f64, bound: f64) -> Self {
         let loss = loss_error(direction == Direction::LinearToRotary, efficiency, bound);
         Self { efficiency: bound, loss: Some(loss).filter(|loss| *loss <= MAX_LOSS_ERROR) }
@@ -225,8 +225,8 @@ pub(crate) fn integrated_error(by_quadrature: f64, efficiency: f64, by_creep: f6
 
 /// Returns the relative effect of the creep speed on the friction power, limited to 1 (A8).
 ///
-/// * `friction_forces`: friction forces `$f Q$` at nut and screw.
-/// * `sliding`: friction powers at nut and screw.
+/// * `friction_forces`: friction forces `$f Q$` at the nut and the screw.
+/// * `sliding`: friction powers at the nut and the screw.
 pub(crate) fn creep_effect(creep: f64, friction_forces: [f64; 2], sliding: [f64; 2]) -> f64 {
     // |δP_f|/P_f ≤ 4 v_e² Σ (f Q)²/P_f,j / Σ P_f,j                        (A8)
     let [nut, screw] = friction_forces;
@@ -265,8 +265,8 @@ fn loss_error(back: bool, efficiency: f64, bound: f64) -> f64 {
 pub struct ControllingRaceway {
     /// The controlling raceway.
     pub raceway: Control,
-    /// True if criterion (W7), evaluated for this solution, selects the same raceway; `None` if the
-    /// raceway was specified.
+    /// True if criterion (W7), evaluated for this solution, confirms the controlling raceway;
+    /// `None` if the raceway was specified.
     pub consistent: Option<bool>,
 }
 
@@ -275,8 +275,8 @@ pub struct ControllingRaceway {
 pub struct Alternatives {
     /// Number of other admissible solutions.
     pub count: usize,
-    /// Among the efficiencies of the other solutions, the one that differs most from the efficiency
-    /// of this solution.
+    /// Efficiency of the other solution whose efficiency differs most from this solution; `None` if
+    /// there is no other solution.
     pub farthest_efficiency: Option<f64>,
 }
 
@@ -300,8 +300,8 @@ impl<F: Real> SteadyState<F> {
 }
 
 impl SteadyState {
-    /// Adds the number of other solutions of the same equations and, among their efficiencies, the
-    /// one that differs most from the efficiency of this solution.
+    /// Adds information about other solutions of the same equations: their number, and the
+    /// efficiency that differs most from the efficiency of this solution.
     pub(crate) fn with_alternatives(self, alternatives: impl Iterator<Item = Self>) -> Self {
         let alternatives: Vec<_> =
             alternatives.map(|other| other.transmission.efficiency).collect();
@@ -324,8 +324,8 @@ impl<F: Copy> BallState<F> {
         }
     }
 
-    /// Creates the state of a ball for which only the contact angle \[rad\] is known, which is
-    /// equal at both loaded contacts.
+    /// Creates the state of a ball of which only the contact angle \[rad\] is known. Both loaded
+    /// contacts have this contact angle.
     #[inline(always)]
     pub fn at_angle(angle: F) -> Self {
         let contact = ContactState::at_angle(angle);
@@ -341,7 +341,7 @@ impl<F: Copy> BallState<F> {
 }
 
 impl<F> ContactState<F> {
-    /// Creates a contact for which only the contact angle \[rad\] is known.
+    /// Creates a contact of which only the contact angle \[rad\] is known.
     #[inline(always)]
     pub fn at_angle(angle: F) -> Self {
         Self { angle, load: None, slip_angle: None, slip: None, pressed: None }
@@ -349,7 +349,7 @@ impl<F> ContactState<F> {
 }
 
 impl<F: Real> Transmission<F> {
-    /// Calculates efficiency and powers from the torque on the screw.
+    /// Calculates the efficiency and the powers from the torque on the screw.
     ///
     /// * `back`: true if the load back-drives the screw.
     /// * `ideal`: torque of the frictionless screw \[N·m\].

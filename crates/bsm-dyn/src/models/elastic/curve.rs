@@ -1,5 +1,5 @@
-//! Search for the first steady motion on the curve of force balance (states in which all forces
-//! balance), for a single operating point.
+//! Search for the first steady motion on the equilibrium curve (the states in which all forces on
+//! the ball balance), for a single operating point.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S12), (S26).
 
@@ -14,8 +14,9 @@ use super::steady::{CurveState, LOG_NO_INERTIA, STRAIGHTNESS_TOL};
 use crate::cost::{count_of, searched};
 use crate::models::ball::{BALL, ElasticContacts, Evidence, NoAnswer, Reason};
 
-/// Step control along the curve. Step lengths are in units of the scales of the unknowns. A curve
-/// usually needs about thirty steps. Roots are refined afterwards by Newton's method.
+/// Step control along the equilibrium curve. Step lengths are in units of the scales of the
+/// unknowns. Following a curve usually takes about thirty steps. Roots are refined afterwards by
+/// Newton's method.
 const STEP_CONTROL: StepControl = StepControl {
     first: 1.0,
     longest: 1.0,
@@ -32,14 +33,15 @@ const STEP_CONTROL: StepControl = StepControl {
 const EXACT_STEP_CONTROL: StepControl =
     StepControl { goal: 1e-15, root_tolerance: 1e-14, ..STEP_CONTROL };
 
-/// Maximum distance between a root of the continuation and its refinement by Newton's method, in
-/// units of the scales of the unknowns. It is twice the root tolerance of [`STEP_CONTROL`].
+/// Maximum distance between a root found by continuation and the same root after refinement by
+/// Newton's method, in units of the scales of the unknowns. The limit is twice the root tolerance
+/// of [`STEP_CONTROL`].
 const MAX_REFINEMENT: f64 = 0.1;
 
-/// A steady motion on the curve, and the sign of `$P/W$`.
+/// A steady motion on the equilibrium curve, and the sign of its precession rate `$P/W$`.
 type CurveRoot = (SlidingPoint<f64>, f64);
 
-/// Returns the unknowns at the first root on the curve, and the number of Newton steps.
+/// Returns the unknowns at the first root on the equilibrium curve, and the number of Newton steps.
 ///
 /// * `any`: true if any root is acceptable because it only serves as a starting value.
 ///
@@ -50,7 +52,7 @@ pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
 ) -> Result<([f64; BALL], usize), NoAnswer> {
-    // First, Newton's method is started from the beginning of the curve.
+    // First, Newton's method is started from the beginning of the equilibrium curve.
     let ball = SlidingBall::from(contacts);
     let direct = ball.direct_root(contacts.contact_angle.tan().recip(), true, any);
     let mut steps = count_of(direct.steps);
@@ -58,34 +60,34 @@ pub(super) fn root(
         return Ok((ball.unknowns(&direct.at, direct.rate.signum()), steps));
     }
 
-    // If Newton's method fails, the root is found by continuation along the curve.
+    // If Newton's method fails, the root is found by continuation along the equilibrium curve.
     let (root, sign) = SlidingCurve::of(contacts, &mut steps)?.root()?;
     Ok((ball.unknowns(&root, sign), steps))
 }
 
-/// The curve of force balance at an operating point, on which a root is sought.
+/// The equilibrium curve of an operating point, on which a root is sought.
 struct SlidingCurve<'a> {
     ball: SlidingBall<f64>,
-    /// Beginning of the curve, where inertia is zero.
+    /// Beginning of the equilibrium curve, where inertia is zero.
     start: CurveState<f64>,
     /// Counter of Newton steps.
     steps: &'a mut usize,
 }
 
 impl<'a> SlidingCurve<'a> {
-    /// Finds the first root by continuation along the curve.
+    /// Finds the first root by continuation along the equilibrium curve.
     ///
     /// # Errors
     ///
     /// Returns [`NoAnswer`] if no root exists or if the search fails.
     fn root(&mut self) -> Result<CurveRoot, NoAnswer> {
-        // Newton's method refines the roots of a coarse continuation. If it converges to a
-        // different root, the continuation is repeated with an accurate step control.
+        // Newton's method refines the roots that a coarse continuation finds. If the refinement
+        // converges to a different root, the continuation is repeated with accurate step control.
         let found = self.trace(&STEP_CONTROL).or_else(|| self.trace(&EXACT_STEP_CONTROL));
         found.unwrap_or(Err(NoAnswer::LOST))
     }
 
-    /// Returns the state of the ball (forces and motion) at a point of the curve.
+    /// Returns the state of the ball (forces and motion) at a point of the equilibrium curve.
     fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint<f64>> {
         let (state, _) = self.ball.state_at(z)?;
         Some(SlidingPoint { state, motion: self.ball.motion(&state) })
@@ -96,7 +98,7 @@ impl<'a> SlidingCurve<'a> {
         *self.steps += count_of(steps);
     }
 
-    /// Creates the curve of force balance for an operating point.
+    /// Creates the equilibrium curve of an operating point.
     ///
     /// # Errors
     ///
@@ -123,14 +125,14 @@ impl<'a> SlidingCurve<'a> {
         Ok(curve)
     }
 
-    /// Returns the distance in `$\ln q$` that the root would have from the beginning of the curve
-    /// if the curve were straight.
+    /// Returns the distance in `$\ln q$` between the beginning of the equilibrium curve and the
+    /// root, under the assumption that the curve is straight.
     fn rise(&self) -> f64 {
         self.ball.inertia_ratio.ln() - self.start.at.log_inertia()
     }
 
-    /// Follows the whole curve and returns the first root, or the reason why there is no root.
-    /// Returns `None` if a root cannot be refined.
+    /// Follows the whole equilibrium curve and returns the first root, or the reason why there is
+    /// no root. Returns `None` if a root cannot be refined.
     fn trace(&mut self, control: &StepControl) -> Option<Result<CurveRoot, NoAnswer>> {
         searched();
         let inertia = self.ball.inertia_ratio;
@@ -199,7 +201,7 @@ impl<'a> SlidingCurve<'a> {
     }
 
     /// Returns the residuals of (S26) for `$P/W > 0$` and for `$P/W < 0$`, each with its derivative
-    /// along the curve.
+    /// along the equilibrium curve.
     fn events(&self, z: &[f64; CURVE], way: &[f64; CURVE]) -> [(f64, f64); 2] {
         let along: [Jet<1>; CURVE] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
         self.ball.state_at(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
@@ -228,7 +230,8 @@ impl<'a> SlidingCurve<'a> {
         (found.found && near && same).then_some(found.at)
     }
 
-    /// Returns a state on the straight part of the curve with less inertia than the first root.
+    /// Returns a state on the straight part of the equilibrium curve that has less inertia than the
+    /// first root.
     fn below(&mut self) -> CurveState<f64> {
         let (ball, start) = (self.ball, self.start);
         let [log, screw, c] = start.point;
@@ -294,8 +297,8 @@ mod tests {
             close(sign, same);
             *found += 1;
         }
-        // Newton's method directly solves nearly all of the 1000 practical points, and the slow
-        // points among the 1000 extreme points.
+        // Newton's method directly solves nearly all of the 1000 practical points. Of the 1000
+        // extreme points, it solves the points with low speeds.
         assert!(of_practice > 900 && of_extremes > 300, "{of_practice} {of_extremes}");
     }
 
@@ -339,7 +342,7 @@ mod tests {
     /// In an earlier version, the search for the beginning of the curve did not end if the
     /// cotangent of the contact angle overflowed.
     #[test]
-    fn number_of_iterations_to_the_start_of_the_solution_curve_is_bounded() {
+    fn number_of_iterations_to_the_start_of_the_equilibrium_curve_is_bounded() {
         let mut rng = ChaCha8Rng::seed_from_u64(14);
         for number in 0..1000 {
             let mut screw = random_extreme_screw(&mut rng);
@@ -350,7 +353,7 @@ mod tests {
             let mut steps = 0;
             let _ = SlidingCurve::of(&contacts, &mut steps);
             // The limit is the maximum number of function evaluations in the bracket plus the
-            // maximum number of Newton steps to the curve.
+            // maximum number of Newton steps from the bracketed state to the equilibrium curve.
             assert!(steps <= Bracket::MAX_EVALUATIONS + 12, "{steps} {screw:?}");
         }
     }

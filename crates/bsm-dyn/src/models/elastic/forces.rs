@@ -1,5 +1,5 @@
-//! The curve of states in which the forces on a ball with saturated friction are in equilibrium,
-//! for any inertia.
+//! The equilibrium curve: all states, for any inertia, in which the forces on a ball with saturated
+//! friction balance.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13), (S14), (S19), (S20), (S26) to (S28).
 
@@ -14,7 +14,7 @@ use crate::models::ball::unknown::{
 use crate::models::ball::{BALL, linear};
 
 /// Residual tolerance of (S20) for the starting value of the Newton iteration that finds the
-/// beginning of the curve (dimensionless).
+/// beginning of the equilibrium curve (dimensionless).
 const START_RESIDUAL_TOL: f64 = 1e-9;
 
 /// Minimum and maximum cotangent of a loaded contact angle (dimensionless). The load increases the
@@ -22,10 +22,10 @@ const START_RESIDUAL_TOL: f64 = 1e-9;
 /// contact angles whose cotangent overflows.
 const COTANGENT_RANGE: [f64; 2] = [1e-12, 1e12];
 
-/// Number of equations of the curve: (S14), (S19) and (S20).
+/// Number of equations of the equilibrium curve: (S14), (S19) and (S20).
 pub(super) const HELD: usize = 3;
 
-/// Number of unknowns of the curve: `$\ln q$`, `$x_A$`, `$x_B$` and `$c$`.
+/// Number of unknowns of the equilibrium curve: `$\ln q$`, `$x_A$`, `$x_B$` and `$c$`.
 pub(super) const CURVE: usize = HELD + 1;
 
 /// Error that is returned at points where the forces cannot be in equilibrium.
@@ -59,8 +59,8 @@ impl Homotopy<HELD, CURVE> for SlidingBall<f64> {
 }
 
 impl SlidingBall<f64> {
-    /// Returns the state of the ball at a point of the curve, and the residuals of (S14), (S20) and
-    /// (S19). Returns `None` if the forces cannot be in equilibrium.
+    /// Returns the state of the ball at a point of the equilibrium curve, together with the
+    /// residuals of (S14), (S20) and (S19). Returns `None` if the forces cannot be in equilibrium.
     pub(super) fn state_at<D: Over<f64>>(
         &self,
         &[log, nut, screw, c]: &[D; CURVE],
@@ -73,8 +73,8 @@ impl SlidingBall<f64> {
     }
 
     /// Returns the state of the ball for given cotangents of the slip angles (`$x_A$`, `$x_B$`) and
-    /// given `$\delta$`, `$q$` and `$c$` of (S18) and (S19), and the residuals of (S14) and (S20).
-    /// Returns `None` if the forces cannot be in equilibrium.
+    /// given values of `$\delta$`, `$q$` and `$c$` in (S18) and (S19), together with the residuals
+    /// of (S14) and (S20). Returns `None` if the forces cannot be in equilibrium.
     fn state_of<D: Over<f64>>(
         &self,
         across: [D; 2],
@@ -106,7 +106,7 @@ impl SlidingBall<f64> {
     }
 
     /// Estimates the cotangent `$x$` of the slip angles and the unknown `$c$` at the beginning of
-    /// the curve, where inertia is zero. Returns `None` if no estimate is found.
+    /// the equilibrium curve, where inertia is zero. Returns `None` if no estimate is found.
     ///
     /// * `unloaded`: unloaded contact angle \[rad\].
     /// * `steps`: counter of function evaluations.
@@ -117,8 +117,8 @@ impl SlidingBall<f64> {
             f_tol: START_RESIDUAL_TOL,
             ..Bracket::new(COTANGENT_RANGE.map(f64::ln), [f64::NEG_INFINITY, f64::INFINITY])
         };
-        // The residual of (S20) is evaluated as a function of the logarithm of the cotangent. It is
-        // infinite if friction holds the load.
+        // The residual of (S20) is evaluated as a function of the logarithm of the cotangent. The
+        // residual is infinite if friction holds the load.
         let found = bracket.root(|log| {
             *steps += 1;
             let cot = log.exp();

@@ -1,4 +1,4 @@
-//! Derivatives of efficiency and torque of the elastic model.
+//! Derivatives of the efficiency and the torque of the elastic model.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`.
 
@@ -8,7 +8,7 @@ use super::{Elastic, ElasticWorkspace, GrossSlipEquations, find, inertia_factor,
 use crate::models::ball::{NoAnswer, Performance, domain_error, inertia_limit, moving_root};
 
 impl<const M: usize> Elastic<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives with respect to the inputs.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         ElasticWorkspace(newton): &mut ElasticWorkspace,

@@ -1,5 +1,5 @@
-//! Force balance of a ball with saturated friction, and the resulting motion, for one point or for
-//! several points side by side.
+//! Force balance of a ball with saturated friction, and the resulting motion, for one operating
+//! point or for several points side by side in a SIMD vector.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13) to (S27).
 
@@ -9,8 +9,9 @@ use crate::contact::Sines;
 use crate::cost;
 use crate::models::ball::{ElasticContacts, ScaledBall};
 
-/// A ball that slides at both contacts, in scaled units (ball radius, axial load per ball, relative
-/// speed). Arrays with two elements contain the values at nut and screw.
+/// A ball that slides at both contacts, in scaled units (multiples of the ball radius, the axial
+/// load per ball and the relative speed). Arrays with two elements contain the values at the nut
+/// and the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingBall<P> {
     /// Friction coefficient with the sign of the relative speed, `$F = f\,\mathrm{sign} W$`.
@@ -27,7 +28,7 @@ pub struct SlidingBall<P> {
     pub inertia_ratio: P,
     /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub nut_speed: P,
-    /// Distances `$l_0$` between arc center and ball center at first contact.
+    /// Distances `$l_0$` between the arc center and the ball center at first contact.
     pub offsets: [P; 2],
     /// Hertz approaches under a normal load that equals the axial load per ball.
     pub approaches: [P; 2],
@@ -35,7 +36,8 @@ pub struct SlidingBall<P> {
     pub radial_distance: P,
 }
 
-/// Forces on a ball in equilibrium. Arrays with two elements contain the values at nut and screw.
+/// Forces on a ball in equilibrium. Arrays with two elements contain the values at the nut and the
+/// screw.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingState<D> {
     /// Cotangents `$x$` of the slip angles.
@@ -58,8 +60,8 @@ pub struct SlidingState<D> {
 /// Motion of a ball whose forces are in equilibrium.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingMotion<D> {
-    /// Slip speeds at nut and screw, divided by `$r_b|W|$`; positive if the slip is opposite to
-    /// friction.
+    /// Slip speeds at the nut and the screw, divided by `$r_b|W|$`; positive if the slip is
+    /// opposite to friction.
     pub slip: [D; 2],
     /// Gyroscopic factor `$1 - g$` of (S26).
     pub inertia: D,
@@ -67,7 +69,7 @@ pub struct SlidingMotion<D> {
     pub drive: D,
 }
 
-/// A point on the curve of force balance: the forces, and the corresponding motion.
+/// A point on the equilibrium curve: the forces on the ball, and the corresponding motion.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingPoint<D> {
     /// Forces on the ball.
@@ -106,7 +108,7 @@ impl From<&ElasticContacts> for SlidingBall<f64> {
 
 impl<F: Real> SlidingBall<F> {
     /// Returns the efficiency of a ball without inertia at its contact angle under load, accurate
-    /// to two digits. The result is zero if friction holds any load.
+    /// to two digits. The efficiency is zero if friction alone holds any load.
     ///
     /// The contact angle is calculated with a few steps of a fixed-point iteration. If friction
     /// holds the load at an intermediate contact angle, this angle is increased.
@@ -138,7 +140,8 @@ impl<F: Real> SlidingBall<F> {
         F::select(carried, sines.efficiency(back, friction), zero)
     }
 
-    /// Returns sines and cosines of the lead angle and of the contact angle whose cosine is given.
+    /// Returns the sines and cosines of the lead angle and of the contact angle with the given
+    /// cosine.
     #[inline(always)]
     fn at_angle(&self, cos_b: F) -> Sines<F> {
         let sin_b = ((-cos_b + 1.0) * (cos_b + 1.0)).sqrt();
@@ -163,8 +166,8 @@ impl<P: Real> SlidingBall<P> {
     }
 
     /// Returns the forces on the ball for given cotangents of the slip angles (`$x_A$`, `$x_B$`)
-    /// and given `$\delta$`, `$q$` and `$c$` of (S18) and (S19), and the residuals of (S14) and
-    /// (S20).
+    /// and given values of `$\delta$`, `$q$` and `$c$` in (S18) and (S19), together with the
+    /// residuals of (S14) and (S20).
     #[inline(always)]
     pub fn state<D: RealOver<P>>(
         &self,
@@ -187,7 +190,7 @@ impl<P: Real> SlidingBall<P> {
         let push = (e * self.cos - f * self.sin).recip();
         // Q = Y w                                                         (S13)
         let loads = [push * w[0], push * w[1]];
-        // sin(φ_A − φ_B) and sin(η_B − η_A) without differences; 2ν is the difference  (S21)
+        // 2ν follows from sin(φ_A − φ_B) and sin(η_B − η_A), both without cancellation  (S21)
         let sine = load_excess * r[1] * (f / v) / (nut * w[1] + screw * w[0]);
         let cosine = w[0] * w[1] + nut * screw * f.square();
         let (s, k) = (e.square() * q, m[0] * m[1] + e.square());
@@ -278,8 +281,8 @@ impl<F: Real> SlidingPoint<F> {
             & is_near(self.motion.drive, begin.motion.drive, change)
     }
 
-    /// Returns the logarithm of the inertia ratio `$\mu$` for which this point of the curve is a
-    /// steady motion (S27).
+    /// Returns the logarithm of the inertia ratio `$\mu$` for which this point of the equilibrium
+    /// curve is a steady motion (S27).
     #[inline(always)]
     pub(super) fn log_inertia(&self) -> F {
         let SlidingMotion { inertia, drive, .. } = self.motion;

@@ -1,6 +1,6 @@
-//! Newton's method for points on the curve of force balance and for steady motions, for one point
-//! or for several points side by side. It finds the first steady motion if the curve is nearly
-//! straight up to this motion.
+//! Newton's method for states on the equilibrium curve and for steady motions, for one operating
+//! point or for several points side by side in a SIMD vector. The method finds the first steady
+//! motion if the curve is nearly straight up to this motion.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S2) to (S6), (S12), (S27), (S28).
 
@@ -11,31 +11,31 @@ use super::states::{SlidingBall, SlidingMotion, SlidingPoint, SlidingState};
 use crate::contact::unit_ball_torque;
 use crate::models::ball::{friction_power, is_in_range};
 
-/// Value of `$\ln q$` (dimensionless) that represents zero inertia. It is close to the logarithm of
-/// the smallest normal floating-point number.
+/// Value of `$\ln q$` (dimensionless) that represents zero inertia. This value is close to the
+/// logarithm of the smallest normal floating-point number.
 pub(super) const LOG_NO_INERTIA: f64 = -700.0;
 
-/// Maximum relative change of the factors of (S27) from the beginning of the curve (dimensionless).
-/// Up to this change, the curve is treated as straight. On a straight curve, inertia increases
-/// monotonically.
+/// Maximum relative change of the factors of (S27) from the beginning of the equilibrium curve
+/// (dimensionless). Up to this change, the curve is treated as straight. On a straight curve,
+/// inertia increases monotonically.
 pub(super) const STRAIGHTNESS_TOL: f64 = 0.1;
 
-/// Maximum change of `$x_A$`, `$x_B$` and `$c$` up to which the curve is treated as straight, in
-/// units of [`STRAIGHTNESS_TOL`] times the scale of the coordinate (dimensionless). The scale is
-/// about a third of the coordinate.
+/// Maximum change of `$x_A$`, `$x_B$` and `$c$` up to which the equilibrium curve is treated as
+/// straight, in units of [`STRAIGHTNESS_TOL`] times the scale of the coordinate (dimensionless).
+/// The scale is about a third of the coordinate.
 const MAX_POSITION_CHANGE: f64 = 3.0;
 
 /// Residual tolerance of (S14) and (S20) for a final result (dimensionless). Newton's method
-/// converges until the residual consists of rounding errors.
+/// reduces the residual until only rounding errors remain.
 const RESIDUAL_TOL: f64 = 1e-10;
 
 /// Residual tolerance of (S14) and (S20) for an intermediate state (dimensionless).
 const PREDICTOR_RESIDUAL_TOL: f64 = 1e-7;
 
-/// Limits of Newton's method for a state on the curve. Step lengths are in units of the scales of
-/// the coordinates. After a step of 1e-8, the error is of the order of the square of the step,
-/// which is below rounding errors. If Newton's method needs more steps, the starting value was not
-/// near a state.
+/// Limits of Newton's method for a state on the equilibrium curve. Step lengths are in units of the
+/// scales of the coordinates. After a step of 1e-8, the error is of the order of the square of the
+/// step, which is smaller than the rounding errors. If Newton's method does not converge within 8
+/// steps, the starting value was not close to the curve.
 const STATE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-8, max_length: 2.0, max_steps: 8 };
 
 /// Limits of Newton's method for the contact angle at zero inertia. Step lengths are changes of the
@@ -65,8 +65,8 @@ const MAX_STEP: f64 = 1.5;
 /// Maximum number of steps of the continuation, including rejected steps.
 const MAX_STEPS: usize = 12;
 
-/// Maximum ratio of the step in `$\ln q$` to the step in `$\ln\mu$` (dimensionless). It is twice
-/// the largest ratio along a straight curve.
+/// Maximum ratio of the step in `$\ln q$` to the step in `$\ln\mu$` (dimensionless). This limit is
+/// twice the largest ratio along a straight curve.
 const MAX_SLOPE: f64 = 4.0;
 
 /// Step length at which Newton's method stops for an intermediate state, in units of the scales of
@@ -77,8 +77,8 @@ const PREDICTOR_STEP_TOL: f64 = 1e-4;
 /// from (S19).
 pub(super) type Coordinates<F> = [F; 3];
 
-/// A state on the curve of force balance, together with the residual and the number of steps of the
-/// solve.
+/// A state on the equilibrium curve, together with the residual and the number of Newton steps of
+/// the solve.
 #[derive(Clone, Copy)]
 pub(super) struct CurveState<F: Real> {
     pub(super) point: Coordinates<F>,
@@ -109,7 +109,7 @@ pub struct SlidingRoot<F: Real> {
     pub residual: F,
     /// True if the result is a steady motion and can serve as a starting value.
     pub steady: F::Mask,
-    /// True if the result is certainly the first steady motion on the curve of force balance.
+    /// True if the result is certainly the first steady motion on the equilibrium curve.
     pub found: F::Mask,
 }
 
@@ -117,7 +117,7 @@ pub struct SlidingRoot<F: Real> {
 /// contact normal (S3), (S5), (S6).
 ///
 /// * `[across, along]`: slip at the nut across and along the groove.
-/// * `(moment, gyration)`: spin moment `$s$`, and `$I P/(r_b F_a)$`.
+/// * `(moment, gyration)`: spin moment `$s$`, and the factor `$I P/(r_b F_a)$`.
 /// * `(sin, cos)`: sine and cosine of the tilt `$\nu$`.
 #[inline(always)]
 pub(super) fn rotation<P, D: RealOver<P>>(
@@ -136,16 +136,16 @@ pub(super) fn rotation<P, D: RealOver<P>>(
 }
 
 impl<F: Real> CurveState<F> {
-    /// Returns true if the curve is straight from `start` to this state. On a straight curve, the
-    /// centrifugal force is proportional to `$q$`, and all other factors of (S27) and all other
-    /// coordinates are constant within a relative tolerance `change`.
+    /// Returns true if the equilibrium curve is straight from `start` to this state. On a straight
+    /// curve, the centrifugal force is proportional to `$q$`, and all other factors of (S27) and
+    /// all other coordinates are constant within a relative tolerance `change`.
     #[inline(always)]
     pub(super) fn is_straight_from(&self, start: &Self, scale: &[F; 3], change: f64) -> F::Mask {
         let rise = self.point[0] - start.point[0];
         let limit = rise.constant(-LOG_NO_INERTIA);
         let growth = F::select(rise.lt(limit), rise, limit).exp();
-        // Checking the factors of (S27) is not enough, because they may have equal values at a
-        // distant point of the curve.
+        // Checking the factors of (S27) is not enough, because these factors may have equal values
+        // at a distant point of the curve.
         let max_change = MAX_POSITION_CHANGE * change;
         let [x, begin] = [self.at.state.slip_cotangents[0], start.at.state.slip_cotangents[0]];
         self.at.has_only_grown(&start.at, growth, change)
@@ -155,7 +155,7 @@ impl<F: Real> CurveState<F> {
     }
 
     /// Returns true if this state is at most one continuation step away from a given point of the
-    /// curve.
+    /// equilibrium curve.
     #[inline(always)]
     fn is_within(&self, point: &Coordinates<F>, &[_, by_screw, by_c]: &[F; 3]) -> F::Mask {
         (self.point[0] - point[0]).abs().le(by_c.constant(MAX_STEP))
@@ -232,8 +232,8 @@ where
     Jet<3, F>: RealOver<F> + Real<Mask = F::Mask>,
 {
     /// Estimates the cotangents `$x$` of the slip angles and the value of `$c$` at the beginning of
-    /// the curve. Also returns the number of Newton steps, and a mask that is true if the estimate
-    /// was found.
+    /// the equilibrium curve. Also returns the number of Newton steps, and a mask that is true if
+    /// the estimate was found.
     ///
     /// * `unloaded`: cotangent of the unloaded contact angle.
     /// * `expected`: mask of the points for which an estimate is requested.
@@ -245,8 +245,7 @@ where
         (found, at.steps, expected & at.has_ended & effect.gt(effect.constant(0.0)))
     }
 
-    /// Finds the state of balanced forces at zero inertia, starting from an estimate of `$x$` and
-    /// `$c$`.
+    /// Finds the force equilibrium at zero inertia, starting from an estimate of `$x$` and `$c$`.
     #[inline(always)]
     pub(super) fn state_without_inertia(&self, [x, c]: [F; 2], expected: F::Mask) -> CurveState<F> {
         let guess = [x.constant(LOG_NO_INERTIA), x, c];
@@ -254,16 +253,17 @@ where
     }
 
     /// Finds the first steady motion, provided that the inertia (S27) increases monotonically from
-    /// the beginning of the curve to this motion. If the curve is straight, the motion is found by
-    /// Newton's method, otherwise by continuation.
+    /// the beginning of the equilibrium curve to this motion. If the curve is straight, the motion
+    /// is found by Newton's method, otherwise by continuation.
     ///
     /// * `any`: true if any root is acceptable because it only serves as a starting value.
     #[inline(always)]
     pub(super) fn first(&self, start: &CurveState<F>, any: bool) -> SlidingRoot<F> {
         let (zero, one, scale) =
             (self.friction.constant(0.0), self.friction.constant(1.0), start.scale(self));
-        // On a straight curve, M is proportional to q. If the speeds of nut and screw are nearly
-        // equal, the inertia at the beginning of the curve underflows, but its logarithm does not.
+        // On a straight curve, M is proportional to q. If the speeds of the nut and the screw are
+        // nearly equal, the inertia at the beginning of the curve underflows, but its logarithm
+        // does not.
         let root = self.inertia_ratio.ln() - start.at.log_inertia() + LOG_NO_INERTIA;
         let inside = start.found & root.lt(one * START_DISTANCE) & root.gt(one * LOG_NO_INERTIA);
         let (mut guess, mut expected) = ([root, start.point[1], start.point[2]], inside);
@@ -315,8 +315,9 @@ where
 
     /// Estimates the first steady motion by continuation in inertia. Also returns a mask that is
     /// true if the motion was found, and the number of Newton steps. The continuation begins at a
-    /// steady motion on the straight part of the curve. It stops if a step is long compared with
-    /// the scales of the coordinates or if the inertia does not increase.
+    /// steady motion on the straight part of the equilibrium curve. The continuation stops if a
+    /// step is long compared with the scales of the coordinates or if the inertia does not
+    /// increase.
     ///
     /// * `root`: value that `$\ln q$` would have at the root if the curve were straight.
     #[inline(always)]
@@ -375,8 +376,8 @@ where
         (point, arrived, steps)
     }
 
-    /// Finds a state of balanced forces near a starting value, which is either a steady motion or
-    /// the state with the given `$q$`.
+    /// Finds a force equilibrium near a starting value: a steady motion if `STEADY` is true, and
+    /// otherwise the equilibrium for the value of `$q$` in `guess`.
     #[inline(always)]
     pub(super) fn iterate<const STEADY: bool>(
         &self,
@@ -388,7 +389,7 @@ where
         self.iterate_to::<STEADY>((STATE_NEWTON.step_tol, RESIDUAL_TOL), at, scale, expected)
     }
 
-    /// Finds a state of balanced forces near a starting value, with the given tolerances.
+    /// Finds a force equilibrium near a starting value, with the given tolerances.
     ///
     /// * `below`: difference in `$\ln\mu$` by which the inertia ratio of the steady motion is below
     ///   the inertia ratio of the ball.
@@ -418,9 +419,9 @@ where
         CurveState { point, at, residual, steps, found }
     }
 
-    /// Finds the first steady motion by Newton's method from the beginning of the curve. The field
-    /// `found` of the result is false if another root could precede the result or if rounding
-    /// errors could affect the result.
+    /// Finds the first steady motion by Newton's method from the beginning of the equilibrium
+    /// curve. The field `found` of the result is false if another root could precede the result or
+    /// if rounding errors could affect the result.
     ///
     /// * `unloaded`: cotangent of the unloaded contact angle.
     /// * `requested`: mask of the points to solve.
@@ -524,20 +525,20 @@ impl<F: Real> SlidingRoot<F> {
         [along, cos * normal - sin * across, sin * normal + cos * across]
     }
 
-    /// Returns the precession rate relative to the nut, `$p$`.
+    /// Returns the precession rate `$p$` relative to the nut.
     #[inline(always)]
     pub fn precession(&self) -> F {
         // P = Ω_n + p W                                                   (S2)
         self.rate - self.ball.nut_speed
     }
 
-    /// Returns the friction forces on the ball at nut and screw, divided by `$F_a$`. Each force has
-    /// a component across the groove and a component along the groove.
+    /// Returns the friction forces on the ball at the nut and the screw, divided by `$F_a$`. Each
+    /// force has a component across the groove and a component along the groove.
     #[inline(always)]
     pub fn friction(&self) -> [[F; 2]; 2] {
         let SlidingState { slip_cotangents: [x_a, x_b], push, .. } = self.at.state;
         let friction = self.ball.friction * push;
-        // Friction is F Y (−x_A, −1) at A and F Y (x_B, 1) at B, across and along  (S13)
+        // The forces (across, along) are F Y (−x_A, −1) at A and F Y (x_B, 1) at B  (S13)
         [[-(friction * x_a), -friction], [friction * x_b, friction]]
     }
 

@@ -1,4 +1,4 @@
-//! Tests of the elastic model: the roots on the curve of force balance are compared with the seven
+//! Tests of the elastic model: the roots on the equilibrium curve are compared with the seven
 //! equations, with limiting cases, and with searches from many starting values.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -14,7 +14,7 @@ use super::*;
 use crate::extreme::random_extreme_screw;
 use crate::{Status, angles::Angles};
 
-/// Returns a random starting value in the unknowns (S1) for which the nut contact carries the axial
+/// Returns random starting values of the unknowns (S1) for which the nut contact carries the axial
 /// load.
 fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     let (sin, cos) = contacts.helix.lead_angle.sin_cos();
@@ -83,7 +83,7 @@ fn root_from_random_starts(
     })
 }
 
-/// Counts that compare random searches with the results of the model.
+/// Numbers of operating points at which random searches confirm or refute the result of the model.
 #[derive(Debug, Default)]
 struct Tally {
     no_solution: usize,
@@ -178,8 +178,8 @@ fn root_at_small_inertia_agrees_with_the_first_order_solution() {
         let p = (rigid + g * contacts.scaled.nut_speed) / (1.0 - g);
         let rate = p + contacts.scaled.nut_speed;
         let inertia = contacts.inertia_ratio() * rate * rate;
-        // Near resonance (g = 1) and near self-locking, the range of the first-order solution is
-        // smaller.
+        // Near resonance (g = 1) and near self-locking, the first-order solution is valid only for
+        // smaller inertia.
         if inertia > 1e-8 || (1.0 - g).abs() < 0.1 || load > 20.0 || cos_b < 0.05 {
             continue;
         }
@@ -188,8 +188,8 @@ fn root_at_small_inertia_agrees_with_the_first_order_solution() {
         // λ = p_R d T / (cosψ + T sinψ),  T = tanα/cosβ                   (S10)
         let tangent = sin_a / (cos_a * cos_b);
         let slip = tangent * contacts.scaled.arc * rigid / (cos_psi + tangent * sin_psi);
-        // The relative error is of second order in the inertia of 1e-8, divided by the smallest
-        // cosine and by the resonance term.
+        // The relative error of the first-order solution is of the order of the inertia (at most
+        // 1e-8), divided by the smallest cosine and by the resonance term.
         let close = |x: f64, y: f64| {
             assert_relative_eq!(x, y, max_relative = 1e-4, epsilon = 1e-4 * inertia);
         };
@@ -204,8 +204,8 @@ fn root_at_small_inertia_agrees_with_the_first_order_solution() {
 }
 
 /// In an earlier version, points with P → 0 or P → ∞ were accepted as roots, because their residual
-/// vanished with the weights of the starting value. At a root on the curve, the precession rate
-/// must match the centrifugal force.
+/// vanished with the weights of the starting value. At a root on the equilibrium curve, the
+/// precession rate must match the centrifugal force.
 #[test]
 fn precession_of_a_root_matches_its_centrifugal_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
@@ -224,8 +224,8 @@ fn precession_of_a_root_matches_its_centrifugal_force() {
     }
 }
 
-/// If nut and screw rotate at nearly equal speeds, the inertia ratio on the curve underflows. An
-/// earlier version found no solution in this case.
+/// If the nut and the screw rotate at nearly equal speeds, the inertia ratio on the equilibrium
+/// curve underflows. An earlier version found no solution in this case.
 #[test]
 fn solution_exists_if_nut_and_screw_rotate_at_nearly_equal_speeds() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);

@@ -18,8 +18,8 @@ use crate::models::ball::ElasticPoint;
 use crate::models::ball::linear;
 use crate::models::traction::turned;
 
-/// Number of unknowns: positions of ball and nut, precession rate, and angular velocity relative to
-/// the nut.
+/// Number of unknowns: positions of the ball and the nut, precession rate, and angular velocity
+/// relative to the nut.
 pub(super) const UNKNOWNS: usize = PLACE + 4;
 
 const ROWS: [&str; UNKNOWNS] = [
@@ -49,7 +49,7 @@ pub(super) struct Balance<'a, P = f64> {
     pub(super) condition: AxialCondition<P>,
     /// Friction coefficients at the + and − flanks.
     pub(super) friction: [P; 2],
-    /// Radii of the deformed contact surfaces at nut and screw \[m\].
+    /// Radii of the deformed contact surfaces at the nut and the screw \[m\].
     pub(super) pressed_radius: [P; 2],
     /// Units of force \[N\] and length \[m\].
     pub(super) units: (f64, f64),
@@ -307,7 +307,7 @@ impl Balance<'_> {
         let point = &self.at.point;
         let (arc, radius) = (point.helix.arc_length_per_radian(), point.ball.radius);
         let (sign, cos_lead) = (point.drive.relative_speed().signum(), self.grooves.lead.1);
-        // `nut` and `screw` are the components of t × N along b at nut and screw.
+        // `nut` and `screw` are the components of t × N along b at the nut and the screw.
         let [nut, screw] = [0, 2].map(|i| self.grooves.flank(i + diagonal, place).normal[1]);
         // Without slip along t: d P + r_b ω_b c_A = 0,  d (P − W) + r_b (ω_b − W cosα) c_B = 0
         let around = sign * (arc + radius * cos_lead * screw) / (radius * (screw - nut));

@@ -1,5 +1,5 @@
-//! Gothic arches of nut and screw around one ball: arc centers, elastic approaches and normal
-//! loads.
+//! Gothic arches of the nut and the screw around one ball: arc centers, elastic approaches and
+//! normal loads.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC1) to (AC4).
 
@@ -11,8 +11,8 @@ use crate::models::ball::{
     ElasticPoint, NoAnswer, Reason, domain_error, equations, far_flank_play,
 };
 
-/// Number of contacts of a ball in two gothic arches. Their order is nut +, nut −, screw +, screw
-/// −. The + flanks carry a positive axial load.
+/// Number of contacts of a ball in two gothic arches. The order of the contacts is nut +, nut −,
+/// screw +, screw −. The + flanks carry a positive axial load.
 pub const FLANKS: usize = 4;
 
 /// Fit of a ball in the gothic arches: axial play, radial gap and oversize.
@@ -34,23 +34,23 @@ pub struct ArchFit<D = f64> {
 pub enum AxialCondition<D = f64> {
     /// Axial force of the nut on the ball \[N\], not negative.
     Force(D),
-    /// Axial displacement of the nut \[m\] from its middle position, in which both diagonals have
-    /// equal lengths.
+    /// Axial displacement of the nut \[m\] from its middle position, which is midway between
+    /// contact with the + flanks and contact with the − flanks.
     Displacement(D),
 }
 
-/// The gothic arches of nut and screw around a ball, in SI units.
+/// The gothic arches of the nut and the screw around a ball, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grooves<D = f64> {
-    /// Distances `$l_0$` from the arc centers to the ball center at first contact, at nut and
-    /// screw.
+    /// Distances `$l_0$` from the arc centers to the ball center at first contact, at the nut and
+    /// the screw.
     pub offsets: [D; 2],
-    /// Hertz stiffness of the contacts at nut and screw \[N/m^1.5\].
+    /// Hertz stiffness of the contacts at the nut and the screw \[N/m^1.5\].
     pub stiffness: [D; 2],
     radial_gap: D,
     pub(super) oversize: D,
-    /// Distances `$l_0\sin\beta_0$` between arc center and ball center along the binormal, at nut
-    /// and screw.
+    /// Distances `$l_0\sin\beta_0$` between the arc center and the ball center along the binormal,
+    /// at the nut and the screw.
     across: [D; 2],
     /// Distances `$y$` of the arc centers from the pitch circle.
     outward: [D; 2],
@@ -115,7 +115,7 @@ impl<P: Scalar> Grooves<P> {
     }
 
     /// Returns the gothic arches with a different ball radius and with a radial gap. The contact
-    /// stiffness stays unchanged.
+    /// stiffness remains unchanged.
     #[must_use]
     pub fn fitted(&self, radial_gap: P, oversize: P) -> Self {
         Self { radial_gap, oversize, ..*self }
@@ -138,12 +138,12 @@ impl<P: Scalar> Grooves<P> {
         }
     }
 
-    /// Creates the gothic arches of nut and screw around a ball with the given fit.
+    /// Creates the gothic arches of the nut and the screw around a ball with the given fit.
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the play is negative, or if the ball has no contact angle between 0
-    /// and 90 degrees.
+    /// Returns [`NoAnswer`] if the play is negative, or if the ball cannot touch the grooves at
+    /// contact angles between 0 and 90 degrees.
     pub(super) fn of(at: &ElasticPoint<P>, fit: &ArchFit<P>) -> Result<Self, NoAnswer> {
         let ArchFit { axial_play, radial_gap, oversize } = *fit;
         // The curvatures are calculated for a ball of nominal diameter at first contact.
@@ -167,26 +167,27 @@ impl<P: Scalar> Grooves<P> {
         Ok(grooves)
     }
 
-    /// Returns the distance `$L$` between the two arc centers on a diagonal at first contact \[m\].
+    /// Returns the distance `$L$` \[m\] between the arc centers of the + flanks of the nut and the
+    /// screw at first contact. The − flanks have the same distance.
     fn diagonal(&self) -> P {
         self.offsets[0] + self.offsets[1] - self.oversize * 2.0
     }
 
-    /// Returns the component along the principal normal of the distance between the two arc centers
-    /// on a diagonal \[m\].
+    /// Returns the component along the principal normal of the distance \[m\] between the arc
+    /// centers of the + flanks of the nut and the screw.
     fn height(&self) -> P {
         self.outward[0] + self.outward[1] - self.radial_gap
     }
 
-    /// Returns the distance `$e$` of the arc center of nut (0) or screw (1) from the middle of the
-    /// groove \[m\].
+    /// Returns the distance `$e$` of the arc center of the nut (0) or the screw (1) from the middle
+    /// of the groove \[m\].
     #[inline(always)]
     fn center(&self, body: usize) -> P {
         self.across[body] - self.shift
     }
 
-    /// Calculates approach and normal at one flank for a given position of ball and nut \[m\]
-    /// (AC4).
+    /// Calculates the approach and the normal at one flank for a given position of the ball and the
+    /// nut \[m\] (AC4).
     #[inline(always)]
     pub fn flank<D: Over<P>>(
         &self,
@@ -211,7 +212,7 @@ impl<P: Scalar> Grooves<P> {
         FlankApproach { approach, length, normal: [v[0] * per_length, v[1] * per_length] }
     }
 
-    /// Returns the normal load \[N\] for a given approach; it is zero for a gap (H9).
+    /// Returns the normal load \[N\] for a given approach; the load is zero for a gap (H9).
     #[inline(always)]
     pub fn load<D: Over<P>>(&self, flank: usize, approach: D) -> D {
         if approach.re() <= 0.0 {
@@ -220,8 +221,8 @@ impl<P: Scalar> Grooves<P> {
         approach * approach.sqrt() * self.stiffness[flank / 2]
     }
 
-    /// Returns the semi-axes of the contact ellipse \[m\] for a positive approach. They are not
-    /// calculated from the cube root of the load, which has an infinite slope at zero.
+    /// Returns the semi-axes of the contact ellipse \[m\] for a positive approach. The calculation
+    /// avoids the cube root of the load, whose slope is infinite at zero load.
     #[inline(always)]
     pub(super) fn semi_axes<D: Over<P>>(&self, flank: usize, approach: D) -> (D, D) {
         let Hertz { semi_axis, flatness, .. } = self.hertz[flank / 2];
@@ -231,22 +232,23 @@ impl<P: Scalar> Grooves<P> {
 }
 
 impl Grooves {
-    /// Returns the component along the binormal of the distance between the two arc centers on a
-    /// diagonal \[m\], for the middle position of the nut.
+    /// Returns the component along the binormal of the distance \[m\] between the arc centers of
+    /// the + flanks of the nut and the screw, for the middle position of the nut.
     fn width(&self) -> f64 {
         self.across[0] + self.across[1] - 2.0 * self.shift
     }
 
     /// Returns the displacement of the nut along the binormal at which the + flanks touch the ball
-    /// \[m\]. It is negative if the ball is already clamped in the middle position.
+    /// \[m\]. The displacement is negative if the ball is already clamped in the middle position of
+    /// the nut.
     pub(super) fn first_touch(&self) -> f64 {
         // w_t = √(L² − (y_A + y_B + w_n)²) − e_A − e_B                    (AC3)
         let (l, y) = (self.diagonal(), self.height());
         ((l - y) * (l + y)).sqrt() - self.width()
     }
 
-    /// Returns the position of ball and nut \[m\] for given approaches \[m\] and contact angles
-    /// \[rad\] at the + flanks.
+    /// Returns the position of the ball and the nut \[m\] for given approaches \[m\] and contact
+    /// angles \[rad\] at the + flanks.
     pub fn between(&self, approaches: [f64; 2], angles: [f64; 2]) -> [f64; PLACE] {
         let length = |i: usize| self.offsets[i] - self.oversize + approaches[i];
         let [(sin_a, _), (sin_b, cos_b)] = angles.map(f64::sin_cos);
@@ -260,10 +262,11 @@ impl Grooves {
         self.normal_forces(place).1[0] * self.lead.1
     }
 
-    /// Returns the axial play \[m\] below which a ball on two contacts also touches a far flank, or
-    /// zero if the ball does not touch a far flank even without play.
+    /// Returns the axial play \[m\] below which a ball with two contacts also touches a far flank,
+    /// or zero if the ball does not touch a far flank even without play.
     ///
-    /// * `approaches`, `angles`: approaches \[m\] and contact angles \[rad\] at nut and screw.
+    /// * `approaches`, `angles`: approaches \[m\] and contact angles \[rad\] at the nut and the
+    ///   screw.
     pub(super) fn threshold_play(&self, approaches: [f64; 2], angles: [f64; 2]) -> f64 {
         let play = |i: usize| {
             let offset = self.offsets[i] - self.oversize;
@@ -273,7 +276,7 @@ impl Grooves {
         play(0).max(play(1))
     }
 
-    /// Returns the elastic approaches at nut and screw \[m\] under a normal load \[N\].
+    /// Returns the elastic approaches at the nut and the screw \[m\] under a normal load \[N\].
     pub(super) fn approaches(&self, load: f64) -> [f64; 2] {
         self.hertz.map(|hertz| hertz.approach(load))
     }
@@ -301,8 +304,8 @@ impl Grooves {
         (ball, nut)
     }
 
-    /// Returns the largest normal load \[N\] for given positions of ball and nut, together with the
-    /// approach at this contact \[m\].
+    /// Returns the largest normal load \[N\] for given positions of the ball and the nut, together
+    /// with the approach at this contact \[m\].
     pub(super) fn largest(&self, place: &[f64; PLACE]) -> (f64, f64) {
         let loads = (0..FLANKS).map(|flank| {
             let approach = self.flank(flank, place).approach;
@@ -311,7 +314,8 @@ impl Grooves {
         loads.fold((0.0, 0.0), |most, one| if one.0 > most.0 { one } else { most })
     }
 
-    /// Returns the positions of ball and nut at rest \[m\], that is, without friction and inertia.
+    /// Returns the positions of the ball and the nut at rest \[m\], that is, without friction and
+    /// inertia.
     ///
     /// # Errors
     ///
@@ -335,7 +339,8 @@ impl Grooves {
                 ((load / stiffness).cbrt().powi(2) / sin + touch.max(0.0), axial)
             }
         };
-        // The ball lies between the arc centers of the more heavily loaded diagonal.
+        // The ball lies on the line between the arc centers of the more heavily loaded pair of
+        // flanks.
         let sign = if w < 0.0 { -1.0 } else { 1.0 };
         let (g_b, g_n) = (sign * self.width() + w, self.height());
         let length = g_b.hypot(g_n);
@@ -356,8 +361,8 @@ impl Grooves {
         self.settled(condition, &FixedForces::default(), (&y, units), newton)
     }
 
-    /// Returns the positions of ball and nut \[m\] at which the normal loads and the given fixed
-    /// forces are in equilibrium.
+    /// Returns the positions of the ball and the nut \[m\] at which the normal loads and the given
+    /// fixed forces are in equilibrium.
     ///
     /// * `near`: starting values of the positions \[m\].
     /// * `units`: units of force \[N\] and length \[m\].
@@ -409,8 +414,9 @@ struct Rest<'a> {
     grooves: &'a Grooves,
     condition: AxialCondition,
     forces: &'a FixedForces,
-    /// Units of force \[N\] and length \[m\].
+    /// Unit of force \[N\].
     force: f64,
+    /// Unit of length \[m\].
     length: f64,
 }
 

@@ -12,7 +12,7 @@ use crate::models::workspace::ModelWorkspace;
 /// 90 % interval of the power loss, calculated from random draws of the uncertain inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LossInterval {
-    /// Power loss of the contacts divided by the nominal power loss.
+    /// Lower and upper limit of the power loss of the contacts, divided by the nominal power loss.
     pub loss: [f64; 2],
     /// Torque on the screw \[N·m\], for the lower and the upper limit of the power loss.
     pub screw_torque: [f64; 2],
@@ -25,8 +25,8 @@ pub struct LossInterval {
 /// Number of random draws per operating point.
 const DRAWS: u32 = 250;
 
-/// Accuracy of the friction integrals in each draw. A higher accuracy would be useless, because the
-/// limited number of [`DRAWS`] causes an error of about one percent in each quantile.
+/// Accuracy of the friction integrals in each draw. A higher accuracy would not improve the result,
+/// because the limited number of [`DRAWS`] causes an error of about one percent in each quantile.
 const ACCURACY: f64 = 1e-4;
 
 /// Ranges of the twelve uncertain inputs of the lubricant model.
@@ -55,9 +55,9 @@ impl LubricatedBall {
     /// draws have a solution.
     ///
     /// The draws are uniform over the ranges of the inputs, and the same draws are used for every
-    /// point. While the ball rolls, the power losses of the draws are calculated with the
-    /// raceway-control model and one friction coefficient per contact. Once the ball skids, they
-    /// are calculated with the traction model.
+    /// point. If the ball rolls, the power losses of the draws are calculated with the
+    /// raceway-control model and one friction coefficient per contact; otherwise, they are
+    /// calculated with the traction model.
     pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
         let film = solved.film?;
         let rolls = solved.skid.and_then(|skid| skid.regime()) == Some(SlipRegime::Rolling);
@@ -87,8 +87,9 @@ impl LubricatedBall {
         })
     }
 
-    /// Returns the operating point for raceway control or traction at an oil temperature \[K\],
-    /// with the inputs of one random draw. If `number` is `None`, the inputs stay unchanged.
+    /// Returns the lubricated ball for the given model and oil temperature \[K\], with the
+    /// uncertain inputs of draw `number`. If `number` is `None`, the inputs keep their nominal
+    /// values.
     fn sample(&self, number: Option<u32>, kelvin: f64, model: Model) -> Self {
         let parts: Option<[f64; UNCERTAIN.len()]> = number.map(weyl_point);
         let draw = |i: usize| {

@@ -1,4 +1,4 @@
-//! Derivatives of efficiency and torque of a lubricated ball.
+//! Derivatives of the efficiency and the torque of a lubricated ball.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`, and `docs/theory/17-lubricant.md`, equation (Y28).
 
@@ -10,12 +10,12 @@ use crate::models::ball::{EhlPoint, LubricatedState, NoAnswer, Performance};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
-/// Temperature step of a finite difference \[K\]. It is much smaller than the range of tens of
-/// kelvins over which the temperature derivative of the losses changes noticeably.
+/// Temperature step of a finite difference \[K\]. The step is much smaller than the range of tens
+/// of kelvins over which the temperature derivative of the losses changes noticeably.
 const DIFFERENCE_STEP: f64 = 1e-3;
 
 impl<const M: usize> LubricatedBall<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives with respect to the inputs.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
@@ -50,7 +50,7 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
         LubricatedBall { lubricant: self.lubricant.map(|x| x.re), model }
     }
 
-    /// Returns efficiency and torque with their derivatives with respect to the inputs at a
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs at a
     /// lubricant temperature \[K\], and the total power loss \[W\].
     fn slopes(
         &self,

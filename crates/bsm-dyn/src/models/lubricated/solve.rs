@@ -21,7 +21,7 @@ use crate::models::workspace::ModelWorkspace;
 use crate::outcome::named;
 
 named! {
-    /// Way in which the raceway-control model evaluates the friction law.
+    /// Method by which the raceway-control model evaluates the friction law.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     pub enum RacewayFriction {
         /// The friction coefficient is calculated from pressure and slip at each point of the
@@ -47,7 +47,7 @@ pub enum LubricatedModel<D = f64> {
 pub struct LubricatedBall<D = f64> {
     /// Lubricant that determines the friction.
     pub lubricant: Lubricant<D>,
-    /// Model that is used to solve for the lubricated ball.
+    /// Model that describes the lubricated ball.
     pub model: LubricatedModel<D>,
 }
 
@@ -136,7 +136,7 @@ const MAX_TEMPERATURE: f64 = ZERO_CELSIUS + 180.0;
 const TEMPERATURE_TOLERANCE: f64 = 1e-9;
 
 impl LubricatedBall {
-    /// Returns the model that is used to solve for the ball.
+    /// Returns the model that describes the lubricated ball.
     pub fn name(&self) -> Model {
         match self.model {
             LubricatedModel::RacewayControl(..) => Model::RacewayControl,

@@ -96,7 +96,7 @@ fn oil_has_the_given_viscosities_and_temperature_slope() {
 fn intermediate_results_match_an_independent_solution() {
     let (screw, lubricant) = (feed_drive(1500.0, 8000.0), vg_68());
     let oil = lubricant.oil.at(313.15);
-    // The tolerance is the rounding error of the digits in the reference.
+    // The tolerance is the rounding error of the printed reference values.
     let digits = 2e-8;
     assert_relative_eq!(oil.viscosity, 58.8676e-3, max_relative = 1e-7);
     assert_relative_eq!(oil.temperature_coefficient, 0.050_756_4, max_relative = 1e-6);
@@ -170,8 +170,8 @@ fn loss_uncertainty_of_a_rolling_ball_matches_a_second_set_of_random_draws() {
 }
 
 /// The power loss of a skidding ball depends on the boundary friction coefficient and the limiting
-/// shear stress. For these points, an independent program solved the full model with 25, 40 and 30
-/// draws. With raceway control, the interval would be 0.49 to 1.25 at all points.
+/// shear stress. For the tested points, an independent program solved the full model with 25, 40
+/// and 30 draws. With raceway control, the interval would be 0.49 to 1.25 at all points.
 #[test]
 fn loss_uncertainty_of_a_skidding_ball_matches_independent_random_draws() {
     let mut work = ModelWorkspace::default();
@@ -240,8 +240,9 @@ fn low_speed_leads_to_boundary_friction_and_smooth_surfaces_to_a_full_film() {
     assert!(film.nut.asperity_share < 1e-12 && film.nut.friction < 0.047, "{film:?}");
 }
 
-/// For balls without inertia, the power loss does not depend on whether screw or nut rotates. It
-/// depends on the direction of rotation only because friction changes the contact angles.
+/// For balls without inertia, the power loss does not depend on whether the screw or the nut
+/// rotates. The power loss depends on the direction of rotation only because friction changes the
+/// contact angles.
 #[test]
 fn screw_drive_and_nut_drive_have_equal_losses() {
     let light = |rpm: f64| {
@@ -262,8 +263,8 @@ fn screw_drive_and_nut_drive_have_equal_losses() {
     assert_relative_eq!(lost(light(-1500.0)), by_screw, max_relative = 0.08);
 }
 
-/// No solution contains NaN for contact conditions from 0.1 N per ball to 5 GPa, speeds from 1e-3
-/// to 10 000 rpm, and viscosities from 1 mPa·s to 100 Pa·s.
+/// No solution contains NaN, for loads from 0.1 N per ball to a contact pressure of 5 GPa, speeds
+/// from 1e-3 to 10 000 rpm, and viscosities from 1 mPa·s to 100 Pa·s.
 #[test]
 fn extreme_inputs_have_finite_results_or_no_solution() {
     let mut work = ModelWorkspace::default();
@@ -388,10 +389,10 @@ fn typical_screws_have_a_solution() {
     assert_eq!(count_unsolved_typical_screws(1886, 60), 0);
 }
 
-/// Repeats the test with ten thousand screws. Command: `cargo test --release -p bsm-dyn --lib
-/// typical_screws -- --ignored --nocapture`.
+/// Repeats the test `typical_screws_have_a_solution` with ten thousand screws. Command: `cargo test
+/// --release -p bsm-dyn --lib typical_screws -- --ignored --nocapture`.
 #[test]
-#[ignore = "minutes"]
+#[ignore = "takes minutes: ten thousand screws"]
 fn ten_thousand_typical_screws_have_a_solution() {
     // At least 99.9 % of the points have a solution.
     assert!(count_unsolved_typical_screws(1904, 10_000) <= 10);
@@ -408,11 +409,11 @@ fn median(mut numbers: Vec<f64>) -> f64 {
 /// lubricated in turn, and the fastest of several runs counts. The dry solve uses the friction
 /// coefficient that the lubricated solve reports.
 ///
-/// Command: `cargo test --release -p bsm-dyn --lib
-/// solve_time_ratio_of_lubricated_to_dry_screws_is_measured -- --ignored --nocapture`
+/// Command: `cargo test --release -p bsm-dyn --lib lubricated_solves_take_longer_than_dry_solves --
+/// --ignored --nocapture`.
 #[test]
-#[ignore = "timing"]
-fn solve_time_ratio_of_lubricated_to_dry_screws_is_measured() {
+#[ignore = "measures solve times"]
+fn lubricated_solves_take_longer_than_dry_solves() {
     use std::time::Instant;
 
     let mut work = ModelWorkspace::default();
@@ -464,13 +465,16 @@ fn solve_time_ratio_of_lubricated_to_dry_screws_is_measured() {
         median(traction_ratios)
     );
     println!(
-        "raceway control {rolls:.2} us, lubricated {rolls_oiled:.2} us, ratio {:.2}, one coefficient {at_once:.2} us",
+        "raceway control {rolls:.2} us, lubricated {rolls_oiled:.2} us, ratio {:.2}, one coefficient per contact {at_once:.2} us",
         median(raceway_ratios)
     );
     println!(
-        "bound of the efficiency {:.1e}, at most {:.1e}",
+        "median error bound of the efficiency {:.1e}, maximum {:.1e}",
         median(bounds.clone()),
         bounds.iter().fold(0.0, |a: f64, b| a.max(*b))
     );
-    assert!(dry < lubricated && rolls < rolls_oiled, "a lubricant costs something");
+    assert!(
+        dry < lubricated && rolls < rolls_oiled,
+        "lubricated solves must take longer than dry solves"
+    );
 }

@@ -64,12 +64,15 @@ impl<'a, P: Scalar> Balance<'a, P> {
         self.statics.residual(x[0], &self.statics.loaded(*x))
     }
 
-    #[expect(clippy::unnecessary_wraps, reason = "the signature of equations")]
+    #[expect(
+        clippy::unnecessary_wraps,
+        reason = "the macro `equations!` requires this return type"
+    )]
     fn residual<D: Over<P>>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
         Ok(self.equations(x))
     }
 
-    /// Returns loads, contact angles and contact geometry for given unknowns.
+    /// Returns the loads, the contact angles and the contact geometry for given unknowns.
     pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> BallLoads<D> {
         let ElasticContacts { helix, contact_angle, scaled, .. } = self.contacts;
         let nut = screw + c;

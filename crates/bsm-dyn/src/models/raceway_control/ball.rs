@@ -13,15 +13,16 @@ use crate::models::ball::{BallContacts, ElasticContacts, LoadedContact, ScaledBa
 /// terms of higher order.
 const CONTROL_MARGIN: f64 = 4.0;
 
-/// A ball between elastic raceways with the inputs of the raceway-control model, for one point or
-/// for several points side by side.
+/// A ball between elastic raceways with the inputs of the raceway-control model, for one operating
+/// point or for several points side by side in a SIMD vector.
 #[derive(Debug, Clone, Copy)]
 pub struct RacewayBall<P> {
     /// The ball in scaled units.
     pub scaled: ScaledBall<P>,
     /// Cotangent of the unloaded contact angle.
     pub unloaded_cot: P,
-    /// Complete elliptic integrals of the second kind `$E$` of the contacts at nut and screw.
+    /// Complete elliptic integrals of the second kind `$E$` of the contacts at the nut and the
+    /// screw.
     pub second_integrals: [P; 2],
 }
 

@@ -1,5 +1,6 @@
 //! Direct solution of the raceway-control model by Newton's method (static balance, controlling
-//! raceway and rolling motion) for one point or for several points side by side.
+//! raceway and rolling motion) for one operating point or for several points side by side in a SIMD
+//! vector.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W3) to (W10).
 
@@ -26,13 +27,13 @@ pub struct RollingRoot<F: Real> {
     pub by_nut: F::Mask,
     /// Unknowns of the static balance (W12).
     pub unknowns: [F; STATIC],
-    /// Contacts at nut and screw.
+    /// Contacts at the nut and the screw.
     pub sides: [LoadedContact<F>; 2],
     /// Number of Newton steps.
     pub steps: F,
     /// Scaled residual of the static balance.
     pub residual: F,
-    /// True if this is the first root and (W7) selects the same controlling raceway.
+    /// True if this is the first root and (W7) selects the controlling raceway of this root.
     pub found: F::Mask,
     /// True if the ball has no other rolling motion for the same inputs.
     pub unique: F::Mask,
@@ -40,8 +41,8 @@ pub struct RollingRoot<F: Real> {
 
 impl<F: Real> RollingRoot<F> {
     /// Solves for the state of the rolling ball by Newton's method, starting from equal contact
-    /// angles. The field `found` of the result is false if the root may not be the first root, or
-    /// if rounding errors could affect the controlling raceway or the loaded flank.
+    /// angles. The field `found` of the result is false if the root is not certainly the first
+    /// root, or if rounding errors could affect the controlling raceway or the loaded flank.
     ///
     /// * `control`: controlling raceway; `None` selects the raceway by criterion (W7).
     /// * `requested`: mask of the points to solve.
@@ -106,8 +107,8 @@ impl<F: Real> RollingRoot<F> {
         found = found & at.has_ended & (is_screw_unique | by_nut | balance.is_first(at.x));
         let unique = is_screw_unique & (is_nut_unique | !by_nut);
 
-        // The result is valid only if criterion (W7), evaluated for this result, selects the same
-        // raceway.
+        // The result is valid only if criterion (W7), evaluated for this result, confirms the
+        // controlling raceway.
         let root = Self::checked(&balance, &at, found, unique);
         let excess = ball.nut_excess(&root.sides);
         let is_consistent = min_excess.lt(F::select(by_nut, excess, -excess));
@@ -150,10 +151,10 @@ pub struct RollingMotion<F> {
     pub p: F,
     /// Angular velocity relative to the nut in the Frenet-Serret triad `$(t, n, b)$`.
     pub omega: [F; 3],
-    /// Speeds of the ball center relative to nut and screw, divided by `$r_b$`. They also equal the
-    /// negative angular velocities about `$t \times N$`.
+    /// Speeds of the ball center relative to the nut and the screw, divided by `$r_b$`. These
+    /// speeds equal the negative angular velocities about `$t \times N$`.
     pub speed: [F; 2],
-    /// Spins about the contact normals relative to nut and screw.
+    /// Spins about the contact normals relative to the nut and the screw.
     pub spin: [F; 2],
 }
 
@@ -161,7 +162,7 @@ impl<F: Real> RollingMotion<F> {
     /// Calculates the motion of a rolling ball (W3) to (W6).
     ///
     /// * `by_nut`: true if the nut is the controlling raceway.
-    /// * `[a, b]`: contacts at nut and screw.
+    /// * `[a, b]`: contacts at the nut and the screw.
     #[inline(always)]
     pub fn of(ball: &ScaledBall<F>, by_nut: F::Mask, [a, b]: &[LoadedContact<F>; 2]) -> Self {
         let &ScaledBall { lead, arc, .. } = ball;
@@ -182,7 +183,7 @@ impl<F: Real> RollingMotion<F> {
     /// not finite; without spin, the cross slip is not finite.
     ///
     /// * `friction`: friction coefficient.
-    /// * `[a, b]`: contacts at nut and screw.
+    /// * `[a, b]`: contacts at the nut and the screw.
     #[inline(always)]
     pub fn skid_numbers(
         &self,

@@ -13,7 +13,8 @@ use bsm_kin::{Real, RealOver};
 /// * `by_nut`: true if the nut is the controlling raceway.
 /// * `lead`: sine and cosine of the lead angle.
 /// * `arc`: arc length of the helix per radian, `$d/r_b$`.
-/// * The last argument contains the sines and cosines of the contact angles at nut and screw.
+/// * The last argument contains the sines and cosines of the contact angles at the nut and the
+///   screw.
 #[inline(always)]
 pub fn rolling<F: Real>(
     by_nut: F::Mask,

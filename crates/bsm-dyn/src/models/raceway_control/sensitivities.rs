@@ -1,4 +1,4 @@
-//! Derivatives of efficiency and torque of the raceway-control model.
+//! Derivatives of the efficiency and the torque of the raceway-control model.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`.
 
@@ -15,8 +15,8 @@ use crate::models::ball::{
 type BallInMotion<D> = (ElasticContacts<D>, BallLoads<D>, Motion<D>);
 
 impl<const M: usize> RacewayControl<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives with respect to the inputs, for a fixed
-    /// controlling raceway.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs, for
+    /// a fixed controlling raceway.
     pub(crate) fn sensitivities(
         &self,
         RacewayWorkspace { newton, quadrature, sensitivity_quadrature }: &mut RacewayWorkspace,

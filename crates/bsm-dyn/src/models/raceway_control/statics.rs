@@ -1,5 +1,5 @@
-//! Static balance of the rolling ball with two unknowns, solved by Newton's method for one point or
-//! for several points side by side.
+//! Static balance of the rolling ball with two unknowns, solved by Newton's method for one
+//! operating point or for several points side by side in a SIMD vector.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12), (W13).
 
@@ -26,16 +26,16 @@ const NEWTON: LaneNewton = LaneNewton { step_tol: 1e-9, max_length: f64::INFINIT
 const MAX_CLOSURE_STEPS: usize = 60;
 
 /// Tolerance of the cotangent in the solution of (W13), relative to the cotangent of the unloaded
-/// contact angle (dimensionless). It corresponds to a few rounding errors.
+/// contact angle (dimensionless). The tolerance corresponds to a few rounding errors.
 const CLOSURE_TOL: f64 = 4.0 * f64::EPSILON;
 
 /// Maximum number of steps for calculating the upper bound (W18). Most points need two or three
-/// steps. Points that need more than the maximum are scanned for roots.
+/// steps. Points that need more steps are scanned for roots.
 const MAX_BOUND_STEPS: usize = 4;
 
 /// Tolerance of the cotangent in the solution of (W13) for an upper bound, relative to the
 /// cotangent of the unloaded contact angle (dimensionless). The bound is shifted by the tolerance,
-/// so it remains a bound.
+/// so it remains an upper bound.
 const BOUND_CLOSURE_TOL: f64 = 1e-3;
 
 /// Static force balance of a ball with a given controlling raceway.
@@ -53,8 +53,8 @@ pub(super) struct StaticBalance<P: Real> {
     pub(super) nut_speed: P,
     /// Radial distance `$A_2$` between the groove arc centers.
     pub(super) radial_distance: P,
-    /// Distances `$l_0$` between arc center and ball center, and approaches under a normal load
-    /// that equals the axial load per ball, at nut and screw.
+    /// Distances `$l_0$` between the arc center and the ball center, and approaches under a normal
+    /// load that equals the axial load per ball, at the nut and the screw.
     pub(super) contacts: [(P, P); 2],
     /// Cotangent of the unloaded contact angle.
     pub(super) unloaded_cot: P,
@@ -89,7 +89,7 @@ impl<P: Real> StaticBalance<P> {
         LoadedContact::without_friction(self.contacts[i], self.axial, cot)
     }
 
-    /// Returns the contacts at nut and screw for given unknowns.
+    /// Returns the contacts at the nut and the screw for given unknowns.
     #[inline(always)]
     pub(super) fn loaded<D: RealOver<P>>(&self, [c, screw]: [D; STATIC]) -> [LoadedContact<D>; 2] {
         [self.contact(0, screw + c), self.contact(1, screw)]
@@ -164,8 +164,8 @@ impl<F: Real> StaticBalance<F> {
         NEWTON.iterate(self, at);
     }
 
-    /// Returns the derivatives of the precession rate `$p$` with respect to the cotangents at nut
-    /// and screw.
+    /// Returns the derivatives of the precession rate `$p$` with respect to the cotangents at the
+    /// nut and the screw.
     #[inline(always)]
     fn precession_slopes(&self, p: F, [a, b]: &[LoadedContact<F>; 2]) -> [F; 2] {
         let (zero, one) = (p.constant(0.0), p.constant(1.0));

@@ -1,5 +1,5 @@
 //! A ball between rigid contacts in scaled units, its motion, and the residuals of its equations,
-//! for one point or for several points side by side.
+//! for one operating point or for several points side by side in a SIMD vector.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R1) to (R10), (R12), (R21), (R23).
 
@@ -8,12 +8,12 @@ use bsm_kin::{Real, RealOver};
 use crate::contact::{Sines, ideal_torque};
 use crate::models::ball::{BALL, is_in_range};
 
-/// A vector in the plane of the slip, with components along `$e_x$` (across the groove) and `$t$`
-/// (along the helix).
+/// A vector in the tangent plane of a contact, with components along `$e_x$` (across the groove)
+/// and `$t$` (along the helix).
 pub type Plane<D> = [D; 2];
 
-/// An operating point in scaled units: ball radius, axial load per ball and relative speed `$W$`
-/// (R1).
+/// An operating point in scaled units, which are multiples of the ball radius, the axial load per
+/// ball and the relative speed (R1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidBall<P = f64> {
     /// Sines and cosines of lead angle `$\alpha$` and contact angle `$\beta$`.
@@ -41,13 +41,15 @@ pub struct RigidBall<P = f64> {
     pub(super) inertia: P,
     /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub(super) nut_speed: P,
-    /// Length `$h$` of the projection of the screw axis onto the plane of the slip.
+    /// Length `$h$` of the projection of the screw axis onto the plane of `$e_x$` and `$t$`.
     pub(super) h: P,
     /// Reciprocal of the length `$h$`.
     pub(super) per_h: P,
-    /// Cosine `$\cos\psi$` of the direction `$\psi$` of the screw axis in the plane of the slip.
+    /// Cosine `$\cos\psi$` of the direction `$\psi$` of the screw axis in the plane of `$e_x$` and
+    /// `$t$`.
     pub(super) cos_psi: P,
-    /// Sine `$\sin\psi$` of the direction `$\psi$` of the screw axis in the plane of the slip.
+    /// Sine `$\sin\psi$` of the direction `$\psi$` of the screw axis in the plane of `$e_x$` and
+    /// `$t$`.
     pub(super) sin_psi: P,
 }
 
@@ -60,7 +62,8 @@ pub struct RigidMotion<D = f64> {
     /// Slip speeds divided by `$r_b|W|$`. A negative slip speed at contact A means that the
     /// equations were continued beyond rolling.
     pub speeds: [D; 3],
-    /// Directions of the slips, each divided by `$W$`. Friction acts in the opposite direction.
+    /// Unit vectors in the directions of the slips divided by `$W$`. With the signed friction
+    /// coefficient, friction acts in the opposite directions.
     pub directions: [Plane<D>; 3],
     /// Precession rate relative to the nut `$p = (P - \Omega_n)/W$`.
     pub precession: D,
@@ -88,7 +91,7 @@ fn polar<D: Real>(a: Plane<D>) -> (D, Plane<D>) {
 impl<P: Real> RigidBall<P> {
     /// Creates a ball in scaled units.
     ///
-    /// * `sines`: sines and cosines of lead angle and contact angle.
+    /// * `sines`: sines and cosines of the lead angle and the contact angle.
     /// * `radius`: ratio of pitch circle radius to ball radius `$r_m/r_b$`.
     /// * `mass`: dimensionless mass of the ball `$m\,r_b W^2/F_a$`.
     /// * `nut_speed`: ratio of nut speed to relative speed `$\Omega_n/W$`.
@@ -215,7 +218,7 @@ impl<P: Real> RigidBall<P> {
     pub fn torque<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> D {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
         let (q, [x, y]) = (m.loads[2], self.friction_forces(m)[2]);
-        // T = [(−r_m n) × F + M]·k of the wrench of the screw, Eq (B7)
+        // T = [(−r_m n) × F + M]·k, where the screw exerts F and M  (B7)
         let force = y * cos_a + (q * sin_b - x * cos_b) * sin_a;
         force * self.radius + x * sin_a - y * self.k_e
     }
@@ -241,7 +244,8 @@ impl<P: Real> RigidBall<P> {
         ]
     }
 
-    /// Returns the spins about the contact normals relative to nut and screw, divided by `$W$`.
+    /// Returns the spins about the contact normals relative to the nut and the screw, divided by
+    /// `$W$`.
     #[inline(always)]
     pub fn spins<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
         let [_, sigma, tau] = m.omega;
@@ -250,7 +254,7 @@ impl<P: Real> RigidBall<P> {
 }
 
 impl<F: Real> RigidBall<F> {
-    /// Returns a constant that has the same value at every point.
+    /// Converts the number `x` to the scalar type `F`, with the same value at all points.
     #[inline(always)]
     pub(super) fn constant(&self, x: f64) -> F {
         self.signed.constant(x)

@@ -30,8 +30,8 @@ const UNLOADED_SLIP: usize = SPIN;
 /// contact B.
 const AXIAL: usize = BALL;
 
-/// Slip `$v_0$`, divided by `$r_b |W|$`. For slips much larger than `$v_0$`, the unknown is
-/// practically the logarithm of the slip.
+/// Unit `$v_0$` of the slips in the unknowns, divided by `$r_b |W|$`. If a slip is much larger than
+/// `$v_0$`, its unknown is practically the logarithm of the slip.
 const SLIP_UNIT: f64 = 1e-12;
 
 /// Minimum ratio of the first-order slip at contact A to the slip `$e_1 p$` of a ball that rolls at
@@ -50,16 +50,17 @@ const START: f64 = 1e-4;
 const MAX_START: f64 = 0.01;
 
 /// Maximum ratio of the inertia at the beginning of the branch to the actual inertia
-/// (dimensionless). It ensures that the branch begins before the root.
+/// (dimensionless). This limit ensures that the branch begins before the root.
 const MAX_START_PART: f64 = 0.1;
 
-/// Logarithm of the ratio of the inertia on the branch to the actual inertia at which the
-/// continuation stops. No known branch returns from beyond this ratio to the actual inertia.
+/// Maximum logarithm of the ratio of the inertia on the branch to the actual inertia. The
+/// continuation stops at this ratio, because no known branch returns from larger inertia to the
+/// actual inertia.
 const MAX_LOG_EXCESS: f64 = 3.0;
 
 /// Minimum slip at the contacts A' and B, divided by `$r_b |P - \Omega_n|$`, on the branch. Below
 /// this slip, the branch ends because the slip would reverse. At roots of nut drives with large
-/// inertia, the slips are 1e-5 and less.
+/// inertia, the slips are 1e-5 or less.
 const MIN_SLIP: f64 = 1e-8;
 
 /// Maximum slip at the contact A' or B, divided by `$r_b |P - \Omega_n|$`, at which a failed step
@@ -252,7 +253,7 @@ impl RigidBall<f64> {
     /// Returns true if, in the first-order solution, the slip at contact B is opposite to the
     /// friction at this contact. Otherwise, no branch begins at zero inertia.
     fn has_branch(&self, first: &FirstOrder) -> bool {
-        // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ), along ψ   (R26)
+        // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ), projected onto ψ  (R26)
         let along = self.arc * (1.0 - 2.0 * first.precession) - self.k_e;
         first.slip + self.sines.sin_a * self.cos_psi + along * self.sin_psi > 0.0
     }

@@ -35,7 +35,8 @@ pub(super) struct RigidEquations<P> {
 pub type Unknowns<D> = SVector<D, BALL>;
 
 impl<P: Scalar> RigidEquations<P> {
-    /// Returns the precession rates `$p$` and `$P/W$` from the unknown, which is one of the two.
+    /// Returns the precession rates `$p$` and `$P/W$` from the precession unknown, which is one of
+    /// these two rates.
     pub(super) fn rates<D: Over<P>>(&self, unknown: D) -> [D; 2] {
         let nut = self.ball.nut_speed;
         // P = Ω_n + p W                                                   (R3)
@@ -52,7 +53,7 @@ impl<P: Scalar> RigidEquations<P> {
         if rates[1].re() == 0.0 {
             return Err(DOES_NOT_CIRCLE);
         }
-        // V_A = W r_b λ (cosθ e_x + sinθ t), with friction opposite to it for any λ  (R7)
+        // V_A = W r_b λ (cosθ e_x + sinθ t); the friction direction does not depend on λ  (R7)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
         let loads = [y[NUT_LOAD], y[UNLOADED_FLANK_LOAD], y[SCREW_LOAD]];
         let motion = self.ball.motion(loads, rates, (y[SLIP], [cos, sin]), y[SPIN]);
@@ -116,7 +117,7 @@ impl RigidBall<f64> {
     }
 
     /// Returns the weights of the equations, calculated from the magnitudes of their terms at a
-    /// root (R44). They are suitable for any ratio of inertia forces to load.
+    /// root (R44). These weights are suitable for any ratio of inertia forces to load.
     ///
     /// * `load`: typical normal load in the unit of force, of the order of the axial load per ball.
     pub(super) fn own_weights(&self, motion: &RigidMotion<f64>, load: f64) -> [f64; BALL] {

@@ -31,12 +31,12 @@ const MAX_REFINEMENT_STEPS: usize = 8;
 /// Maximum relative difference between the loads of two roots that count as the same root.
 const SAME_ROOT_TOL: f64 = 1e-6;
 
-/// A root of the rigid equations of one ball.
+/// A root of the equations of the rigid model for one ball.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct BallRoot {
     pub(crate) motion: RigidMotion<f64>,
-    /// Number of sweeps, or number of Newton steps if the root was found by continuation and then
-    /// refined.
+    /// Number of sweeps of the fixed-point iteration, or number of Newton steps if the root was
+    /// found by continuation and then refined.
     pub(crate) steps: usize,
     pub(crate) residual: f64,
     /// Other admissible roots on the branch; `None` if the branch was not followed to its end.
@@ -98,8 +98,8 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
     Err(unless_it_exists(ball, &first, NoAnswer::none(evidence, reason)))
 }
 
-/// Finds all roots on the branch at the actual inertia and returns the first root with the others
-/// as alternatives.
+/// Finds all roots on the branch at the actual inertia and returns the first root with the other
+/// roots as alternatives.
 ///
 /// # Errors
 ///
@@ -149,8 +149,9 @@ fn first_on(
     Some(Ok(BallRoot { alternatives, ..first }))
 }
 
-/// If the first-order solution excludes a root, returns the reason why no root exists. Inertia must
-/// be small, and the existence margin must be larger than the error of the first-order solution.
+/// Returns the reason why no root exists, or `None` if the first-order solution does not exclude a
+/// root. The solution excludes a root only if inertia is small and if the existence criterion is
+/// violated by more than the error of the solution.
 ///
 /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia force to friction force. The
 /// constant was determined by random tests: `tests/suite/rigid_campaign.rs` checks that roots

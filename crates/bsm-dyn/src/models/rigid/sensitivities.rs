@@ -1,4 +1,4 @@
-//! Derivatives of efficiency and torque of the rigid model.
+//! Derivatives of the efficiency and the torque of the rigid model.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`.
 
@@ -10,7 +10,7 @@ use crate::contact::efficiency;
 use crate::models::ball::{BALL, NoAnswer, Performance, domain_error, inertia_limit, moving_root};
 
 impl<const M: usize> Rigid<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives with respect to the inputs.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut RigidWorkspace,

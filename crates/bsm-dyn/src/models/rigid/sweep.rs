@@ -1,6 +1,6 @@
-//! One sweep of the fixed-point iteration, for one point or for several points side by side. From
-//! given friction directions, a sweep calculates all unknowns and then the friction directions for
-//! the next sweep.
+//! One sweep of the fixed-point iteration, for one operating point or for several points side by
+//! side in a SIMD vector. From given friction directions, a sweep calculates all unknowns and then
+//! the friction directions for the next sweep.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 
@@ -28,7 +28,7 @@ pub(super) struct Directions<F> {
     norms: [F; 2],
 }
 
-/// Values of the unknowns of the rigid equations for given friction directions.
+/// Values of the unknowns of the rigid model for given friction directions.
 pub(super) struct SweepState<F> {
     /// Ratio of the load at A' (unloaded flank of the nut) to the centrifugal force, `$\kappa =
     /// Q_{A'}/M$`.
@@ -116,11 +116,11 @@ impl<F: Real> RigidBall<F> {
         // x_A = cosψ − t_A sinψ,  y_A = sinψ + t_A cosψ                   (R24)
         let nut = [given.nut.neg_mul_add(s_psi, c), given.nut.mul_add(c, s_psi)];
         let screw = [given.screw.neg_mul_add(s_psi, c), given.screw.mul_add(c, s_psi)];
-        // κ (Q_A′/M) from the force along N and along ψ                   (R25)
+        // κ = Q_A′/M follows from the force balance along N and along ψ   (R25)
         let below = (f * (c * self.cos_2b + f * self.sin_2b))
             .neg_mul_add(cos_m, (f * s_psi).neg_mul_add(sin_m, c * self.sin_2b - f * self.cos_2b));
         let unloaded = ((c * sin_b - f * cos_b) - given.correction) / below;
-        // λ = e₁ p − e₂ P/W from the moment about N                       (R27)
+        // λ = e₁ p − e₂ P/W follows from the moment balance about N       (R27)
         let e_1 = sin_a * self.arc * self.per_h;
         let e_2 = (f * self.sin_2b * self.radius * self.per_h * 2.5) * (unloaded * sin_m);
         // X = t_A − t_B
@@ -132,12 +132,12 @@ impl<F: Real> RigidBall<F> {
         let centrifugal = self.inertia_ratio * rate * rate;
         let load = unloaded * centrifugal;
         let gyro = self.inertia * rate;
-        // G = −2 F Q_A/|A| from the axial load                            (R28)
+        // G = −2 F Q_A/|A| follows from the axial load                    (R28)
         let [norm_a, _] = given.norms;
         let carried = (f * h * s_psi).neg_mul_add(sin_m, (f * h * c).neg_mul_add(cos_m, self.k_n));
         let friction_a =
             (f * -2.0) * load.mul_add(carried, one) / norm_a.mul_add(self.k_n, -(f * h));
-        // G x_A = …, H x_B = … from the forces and moments across N       (R29), (R30)
+        // G x_A and H x_B follow from the force and moment balance across N  (R29), (R30)
         let common = centrifugal.neg_mul_add(sin_b, load * self.sin_2b);
         let (turning, rolling) = (gyro * tau, gyro * u);
         let friction = load * cos_m;
@@ -153,7 +153,7 @@ impl<F: Real> RigidBall<F> {
         let along_a = dot(psi, e_a);
         let s = (friction_a - along_a) * self.per_h;
         let friction_b = dot(psi, e_b) + along_a - friction_a;
-        // Directions of the next sweep                                    (R31)
+        // Friction directions for the next sweep                          (R31)
         let inverse = (friction_a * friction_b).recip();
         let tan_a = cross(psi, e_a) * (inverse * friction_b);
         let tan_b = cross(psi, e_b) * (inverse * friction_a);
@@ -161,7 +161,7 @@ impl<F: Real> RigidBall<F> {
         let along = -s.mul_add(self.sin_2b, gyro.mul_add(self.arc * p, turning * self.cos_2b));
         let norm = dot([across, along], [across, along]).sqrt();
         let sign = F::select(rate.gt(self.constant(0.0)), norm, -norm).recip();
-        // (|A| − 1) G + (|B| − 1) H over 2 M                              (R32)
+        // [(|A| − 1) G + (|B| − 1) H]/(2 M)                               (R32)
         let (square_a, square_b) = (tan_a * tan_a, tan_b * tan_b);
         let norms = [(square_a + one).sqrt(), (square_b + one).sqrt()];
         let (one_a, one_b) = (norms[0] + one, norms[1] + one);

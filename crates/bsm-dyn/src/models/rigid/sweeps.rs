@@ -1,5 +1,5 @@
-//! Fixed-point iteration from the first-order solution to the root, for one point or for several
-//! points side by side.
+//! Fixed-point iteration from the first-order solution to the root, for one operating point or for
+//! several points side by side in a SIMD vector.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 
@@ -42,8 +42,8 @@ pub struct Sweeps<F: Real> {
     pub count: F,
     /// True if the friction directions became stationary within a few sweeps.
     pub stationary: F::Mask,
-    /// True if the motion satisfies the equations. It is then on the branch that begins at zero
-    /// inertia.
+    /// True if the motion satisfies the equations. In this case, the motion is on the branch that
+    /// begins at zero inertia.
     pub converged: F::Mask,
 }
 
@@ -63,8 +63,8 @@ impl<F: Real> RigidBall<F> {
             let change = directions.max_change(&state.next);
             directions = directions.updated(moving, &state.next);
             count = F::select(moving, count + 1.0, count);
-            // Geometric series: the remaining change is c/(1 − c) times the last change, where c =
-            // change/last.
+            // The changes approximately form a geometric series, so the remaining change is c/(1 −
+            // c) times the last change, where c = change/last.
             let converges = (change * change).lt((last - change) * DIRECTION_TOL);
             moving = moving & !(converges | change.lt(self.constant(f64::EPSILON)));
             last = change;

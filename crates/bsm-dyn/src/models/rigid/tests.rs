@@ -198,8 +198,8 @@ fn random_starts_find_no_second_root_if_the_inertia_limits_exclude_a_second_root
     assert!(10 * seen > 7 * points, "{seen} of {points}");
 }
 
-/// If the limits exclude a second root, there is no second root on the branch. This applies to
-/// practical and to extreme points.
+/// If the limits of inertia exclude a second root, there is no second root on the branch. The test
+/// covers practical and extreme points.
 #[test]
 fn branch_has_no_second_root_if_the_inertia_limits_exclude_a_second_root() {
     count_second_roots([4000, 2000].map(campaign));
@@ -256,8 +256,9 @@ fn count_second_roots(counts: [usize; 2]) {
             }
         }
         println!(
-            "{name}: {several} of {tried} have several roots on the branch, {unknown} unknown, least \
-             {least_inertia:.0} f^2, steep C = {least_multiplicity:.0}"
+            "{name}: {several} of {tried} points have several roots on the branch, {unknown} are \
+             undecided; least inertia {least_inertia:.0} f^2, least C at steep contact angles \
+             {least_multiplicity:.0}"
         );
         assert!(several >= count / 2000 && unknown * 20 <= count, "{several} {unknown}");
         assert!(least_inertia > UNIQUE_INERTIA && least_multiplicity > UNIQUE_MULTIPLICITY);
@@ -311,7 +312,7 @@ fn second_solution_is_reported_where_the_efficiency_jumps() {
     assert_relative_eq!(eta, 0.931_044, epsilon = 1e-6);
     assert_relative_eq!(other.expect("another"), 0.921_331, epsilon = 1e-6);
     // At the jump of the efficiency, two of the three roots merge and vanish. The third root
-    // continues.
+    // persists.
     let (before, alternatives, goes_on) = answered(55.12, &mut work);
     assert_eq!(alternatives, 2);
     let (after, alternatives, _) = answered(55.13, &mut work);
@@ -372,9 +373,9 @@ fn sweeps_that_converge_find_the_same_root_as_continuation() {
     assert!(compared > campaign(500) && lost * 100 <= compared, "{compared} {lost}");
 }
 
-/// Creates an operating point from lead angle and contact angle \[rad\], ball radius and pitch
-/// circle radius \[m\], mass \[kg\], friction coefficient, speeds of screw and nut \[rad/s\] and
-/// axial load \[N\].
+/// Creates an operating point from the lead angle and the contact angle \[rad\], the ball radius
+/// and the pitch circle radius \[m\], the mass \[kg\], the friction coefficient, the speeds of the
+/// screw and the nut \[rad/s\], and the axial load \[N\].
 fn operating_point(
     [lead_angle, contact_angle]: [f64; 2],
     [ball, radius, mass]: [f64; 3],
@@ -594,7 +595,7 @@ fn loads_are_accurate_at_a_large_inertia_ratio() {
     assert_relative_eq!(root.p, 2.337_439_703e-4, max_relative = 1e-8);
 }
 
-/// Screw and nut both rotate, and the ball orbits very slowly. In an earlier version, the
+/// The screw and the nut both rotate, and the ball orbits very slowly. In an earlier version, the
 /// precession rate P was a difference of large numbers, so no Newton step reduced the residual.
 #[test]
 fn precession_rate_of_a_slowly_orbiting_ball_is_accurate() {

@@ -27,7 +27,7 @@ fn rolling_ball(control: Control, lead: f64, angles: [f64; 2], forward: bool) ->
 
 proptest! {
     /// At the contact center, the differential slip equals the value of the slip velocity field,
-    /// and the spin equals its rotation.
+    /// and the spin equals the curl of this field.
     #[test]
     fn differential_slip_and_spin_match_the_slip_velocity_field(
         lead in 0.02..1.2_f64, beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
@@ -58,8 +58,8 @@ proptest! {
         }
     }
 
-    /// For all contact angles and pitch circles, a rolling ball slides only across the groove, with
-    /// the speed `r_b W sinα/2` at both contacts (X13).
+    /// For all contact angles and pitch circles, a rolling ball slides only across the groove, at a
+    /// speed of `r_b W sinα/2` at both contacts (X13).
     #[test]
     fn each_contact_of_a_rolling_ball_has_half_of_the_slip_due_to_the_lead(
         lead in 0.01..1.5_f64, a in 0.02..1.55_f64, b in 0.02..1.55_f64, forward: bool,
@@ -139,9 +139,9 @@ proptest! {
 }
 
 /// Balls that rotate with the triad have no relative slip. Balls that roll on a plane slide on each
-/// other with twice their rim speed.
+/// other at twice their rim speed.
 #[test]
-fn neighboring_rolling_balls_slide_with_twice_their_rim_speed() {
+fn neighboring_rolling_balls_slide_at_twice_their_rim_speed() {
     let frame = BallFrame::turned(0.2, 0.0);
     let frozen = ball(Motion { precession: 91.0, omega: frame.k * 91.0 }, 0.2);
     assert!(frozen.ball_slip() < 1e-14);
@@ -170,8 +170,8 @@ fn published_spin_slip_depends_on_rotation_direction_while_calculated_spin_does_
     assert!(spin.abs() + other.abs() < 1e-12 * rate);
 }
 
-/// The equations of the paper reproduce the components of the angular velocity from the gyroscopic
-/// angles.
+/// The equations of Xu and Tang reproduce the components of the angular velocity from the
+/// gyroscopic angles.
 #[test]
 fn gyroscopic_angles_agree_with_xu_and_tang() {
     let omega = Vector3::new(310.0, -420.0, -1700.0);

@@ -44,15 +44,15 @@ const CHORD_RESIDUAL: f64 = 1e-3;
 /// relative to the nut.
 const FAST_NUT: f64 = 2.0;
 
-/// Default maximum number of Newton steps in a solve, and default maximum number of halvings of a
-/// step.
+/// Default limits of a solve: maximum number of Newton steps, and maximum number of halvings of
+/// each step.
 const DEFAULT_LIMITS: (usize, u32) = (20, 6);
 
 /// Error that is returned if no contact angles exist for the given loads and tilt.
 const CONTACT_LOST: EvalError = EvalError {
     quantity: "contact angle of a ball at nut or screw",
     value: f64::NAN,
-    requirement: "must be a number, but no contact angle exists for these loads and this tilt",
+    requirement: "no contact angle exists for the given loads and tilt",
 };
 
 /// The traction equations of a ball at an operating point.
@@ -73,7 +73,8 @@ pub(super) struct SlipBall<'a, P = f64> {
     pub(super) lubrication: Option<Lubrication<'a, P>>,
     /// Forces of the neighboring balls; `None` for a ball without neighbors.
     pub(super) push: Option<Push>,
-    /// Maximum number of Newton steps in a solve, and maximum number of halvings of a step.
+    /// Limits of a solve: maximum number of Newton steps, and maximum number of halvings of each
+    /// step.
     pub(super) limits: (usize, u32),
 }
 
@@ -90,18 +91,19 @@ pub(super) struct Lubrication<'a, P = f64> {
 }
 
 /// Residuals of the seven equations, torque on the screw, and sliding and rolling power losses at
-/// nut and screw, in scaled units.
+/// the nut and the screw, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Evaluation<D = f64> {
     pub(super) residual: [D; BALL],
     pub(super) torque: D,
-    /// Sliding powers at nut and screw. They have no derivatives if they are calculated with the
-    /// vectorized sums over the contact ellipses.
+    /// Sliding powers at the nut and the screw. The powers have no derivatives if they are
+    /// calculated with the vectorized sums over the contact ellipses.
     pub(super) sliding: [D; 2],
     pub(super) rolling: [D; 2],
 }
 
-/// Torque on the screw, total friction power, and sliding power at nut and screw, in scaled units.
+/// Torque on the screw, total friction power, and sliding power at the nut and the screw, in scaled
+/// units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PowerFlow {
     pub(super) torque: f64,
@@ -123,9 +125,9 @@ pub(super) struct ContactGeometry<D> {
     /// Rotation of the triad from `n` to the mean contact normal (unknowns T1) or to the contact
     /// normal at the nut (unknowns T10).
     rotation: (D, D),
-    /// Angles of the contact normals at nut and screw in the rotated triad.
+    /// Angles of the contact normals at the nut and the screw in the rotated triad.
     tilts: [(D, D); 2],
-    /// Contact angles at nut and screw.
+    /// Contact angles at the nut and the screw.
     pub(super) angles: [(D, D); 2],
     /// Contact ellipses with the motions of the ball relative to the raceways.
     pub(super) patches: [Patch<D>; 2],
@@ -138,7 +140,8 @@ struct ArcDistances<D> {
     lengths: [D; 2],
 }
 
-/// Mean contact angle, and contact angles at nut and screw. Each angle is given by sine and cosine.
+/// Mean contact angle, and contact angles at the nut and the screw. Each angle is given by sine and
+/// cosine.
 pub(super) struct MeanAngle<D> {
     pub(super) mean: (D, D),
     pub(super) contacts: [(D, D); 2],
@@ -182,8 +185,8 @@ impl<P: Scalar> SlipBall<'_, P> {
         pressed.then_some(ArcDistances { growth, lengths })
     }
 
-    /// Calculates the contact angles from the tilt and from the distances between ball center and
-    /// arc centers. Returns `None` if no contact angles satisfy (J7).
+    /// Calculates the contact angles from the tilt and from the distances between the ball center
+    /// and the arc centers. Returns `None` if no contact angles satisfy (J7).
     ///
     /// * `(sin_y, cos_y)`: sine and cosine of the tilt.
     #[inline(always)]
@@ -224,7 +227,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         self.mean_angle(self.arc_distances(y)?.lengths, tilt)
     }
 
-    /// Returns the motions of the ball relative to nut and screw in contact coordinates.
+    /// Returns the motions of the ball relative to the nut and the screw in contact coordinates.
     ///
     /// * `angles`: sines and cosines of the contact angles.
     #[inline(always)]
@@ -284,7 +287,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// Returns the residuals of the seven equations of the ball (P5), and the torque on the screw
     /// (B7).
     ///
-    /// * `friction`: friction force and moment on the ball at nut and screw.
+    /// * `friction`: friction force and moment on the ball at the nut and the screw.
     /// * `rate`: precession rate from which the inertia forces are calculated.
     #[inline(always)]
     fn balance<D: Over<P>>(
@@ -348,7 +351,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     pub(super) fn loaded<D: Over<P>>(&self, y: &[D; BALL]) -> Result<BallLoads<D>, EvalError> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
         if self.uses_nut_angle {
-            // (Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/W, …)                     (T10)
+            // The unknowns are Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/W, …      (T10)
             self.contacts.loaded_by_nut_angle(loads, y[TILT])
         } else {
             self.contacts.loaded(loads, y[TILT])
@@ -409,7 +412,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         Ok(found)
     }
 
-    /// Returns the nodes of the quadrature at nut (0) or screw (1).
+    /// Returns the placement of the quadrature nodes at the nut (0) or the screw (1).
     pub(super) fn nodes(&self, i: usize) -> Placement<'_> {
         Placement {
             rule: self.quadrature,
@@ -428,8 +431,8 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// equations.
     ///
     /// If the nut speed is large compared with the relative speed, or if the ball almost sticks to
-    /// the nut, the difference is the nut speed. This avoids cancellation in the slip. Otherwise,
-    /// the difference is zero.
+    /// the nut, the difference is the nut speed. This choice avoids cancellation in the slip.
+    /// Otherwise, the difference is zero.
     #[inline(always)]
     pub(super) fn offset(&self) -> P {
         let nut = self.contacts.scaled.nut_speed;
@@ -499,7 +502,7 @@ struct ContactLoss<D> {
 }
 
 impl<P: Scalar> Lubrication<'_, P> {
-    /// Calculates friction and rolling resistance at nut and screw.
+    /// Calculates the friction and the rolling resistance at the nut and the screw.
     #[inline(always)]
     fn losses<S: Simd, D: Integrate<P>>(
         &self,
@@ -512,7 +515,7 @@ impl<P: Scalar> Lubrication<'_, P> {
         let (cos_lead, per_arc) = (contacts.scaled.lead.1, contacts.scaled.arc.recip());
         let film = |i: usize| {
             let [speed, _, _, around] = geometry.patches[i].motion;
-            // Component k·(t × N) of the screw axis direction.
+            // `k_c` is the component k·(t × N) of the direction of the screw axis.
             let k_c = geometry.angles[i].1 * cos_lead * [1.0, -1.0][i];
             self.ehl.of_motion(i, loads[i], [speed * per_arc, speed, around], k_c, creep)
         };
@@ -616,8 +619,8 @@ impl SlipBall<'_> {
         [force, pressing, force, moment, moment, moment, force]
     }
 
-    /// Returns an upper estimate of the friction force at the nut. It assumes that the slip is as
-    /// large as the velocities whose difference is the slip (T11).
+    /// Returns an upper estimate of the friction force at the nut. The estimate assumes that the
+    /// slip is as large as the velocities whose difference is the slip (T11).
     ///
     /// * `load`: centrifugal force divided by the axial load.
     fn friction_force(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {

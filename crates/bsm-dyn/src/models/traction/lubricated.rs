@@ -78,8 +78,8 @@ impl SlipBall<'_> {
     }
 }
 
-/// A lubricated root with its operating point (including the friction scale) and the rolling ball
-/// from which the solver started.
+/// A lubricated root, its operating point (whose friction coefficient is the friction scale), and
+/// the rolling ball from which the solver started.
 struct ScaledRoot {
     contacts: ElasticContacts,
     rolling_ball: RollingBall,

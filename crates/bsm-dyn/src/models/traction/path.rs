@@ -23,7 +23,7 @@ use crate::models::raceway_control::RollingBall;
 const PATH: usize = BALL + 1;
 
 /// Maximum friction coefficient at the start of a path. With such small friction, the contact
-/// angles hardly differ from those without friction.
+/// angles hardly differ from the contact angles without friction.
 const SMALL_FRICTION: f64 = 1e-3;
 
 /// Step control for following paths. A step of length 1 changes the quantity that varies along the
@@ -44,7 +44,7 @@ pub(super) const STEP_CONTROL: StepControl = StepControl {
 const INCREASING: [f64; PATH] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 /// Angle \[rad\] by which a contact angle may exceed the limit of its flank and still count as
-/// being on the flank. It allows for rounding errors under large loads.
+/// being on the flank. The tolerance allows for rounding errors under large loads.
 const FLANK_ANGLE_TOL: f64 = 1e-6;
 
 /// Result of following a path of increasing inertia forces.
@@ -137,7 +137,8 @@ fn seed(y: &[f64; BALL], u: f64) -> Seed<PATH> {
 }
 
 impl SlipBall<'_> {
-    /// Returns the contact angles at nut and screw \[rad\], which are NaN if a contact is lost.
+    /// Returns the contact angles at the nut and the screw \[rad\], which are NaN if a contact is
+    /// lost.
     pub(super) fn angles(&self, y: &[f64; BALL]) -> [f64; 2] {
         self.loaded(y).map_or([f64::NAN; 2], |loaded| loaded.angles)
     }
@@ -275,7 +276,8 @@ impl SlipBall<'_> {
         steps: &mut usize,
     ) -> InertiaPath {
         let (at_rest, mu) = (self.rate(y), self.contacts.inertia_ratio());
-        // At this precession rate, the inertia forces are small compared with load and friction.
+        // At the precession rate `small`, the inertia forces are small compared with load and
+        // friction.
         let small = at_rest.abs().min((0.1 / mu).sqrt()).min(self.contacts.friction / mu);
         let unit = sense * small.copysign(at_rest);
         // No ball has a precession rate above twice the sum of relative speed and nut speed.

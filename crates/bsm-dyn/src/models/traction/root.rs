@@ -52,7 +52,7 @@ pub(super) fn are_on_flanks(angles: [f64; 2], margin: f64) -> bool {
 }
 
 impl<P: Copy> SlipBall<'_, P> {
-    /// Returns the equations in the set of unknowns that the given root uses.
+    /// Returns the equations, expressed in the same set of unknowns as the given root.
     pub(super) fn of(&self, root: &SlipRoot) -> Self {
         Self { uses_nut_angle: root.uses_nut_angle, ..*self }
     }

@@ -75,8 +75,8 @@ impl SlipBall<'_> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] with [`Reason::BallLeavesFlank`] if the contact angles leave the flanks
-    /// along the continuation, so that this branch has no root, and [`NoAnswer::LOST`] if the
+    /// Returns [`NoAnswer`] with [`Reason::BallLeavesFlank`] if a contact leaves its flank during
+    /// the continuation, so that this branch has no root, and [`NoAnswer::LOST`] if the
     /// continuation fails.
     pub(super) fn search(
         &self,

@@ -1,4 +1,4 @@
-//! Derivatives of efficiency and torque of the traction model.
+//! Derivatives of the efficiency and the torque of the traction model.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`.
 
@@ -11,8 +11,8 @@ use crate::models::ball::{NoAnswer, Performance, domain_error, moving_root};
 use crate::models::raceway_control::RollingBall;
 
 impl<const M: usize> Traction<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives with respect to the inputs, for the
-    /// accuracy and the creep speed of the model.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs, for
+    /// the accuracy and the creep speed of the model.
     ///
     /// # Errors
     ///
@@ -31,8 +31,8 @@ impl<const M: usize> Traction<Jet<M>> {
         self.sensitivities_at(&root, work)
     }
 
-    /// Returns efficiency and torque with their derivatives with respect to the inputs, at a root
-    /// that is already known.
+    /// Returns the efficiency and the torque with their derivatives with respect to the inputs, at
+    /// a root that is already known.
     pub(crate) fn sensitivities_at(
         &self,
         root: &SlipRoot,

@@ -23,7 +23,7 @@ const MAX_STRAIGHT_STEP: f64 = 1e-4;
 const MAX_SLIP_CHANGE: f64 = 0.6;
 
 /// Slip, divided by `$r_b W$`, that is added to a slip before its relative change is limited (T31).
-/// Slips that are much smaller may change their sign.
+/// Slips that are much smaller than this value may change their sign.
 const SMALL_SLIP: f64 = 0.01;
 
 /// Maximum spin, divided by `$W$`, for steps along which the slips change linearly. Up to this
@@ -49,7 +49,8 @@ impl SlipBall<'_> {
         self.with_linear_slips(y, step, &next).unwrap_or(next)
     }
 
-    /// Returns the slips, rolling and spin for given unknowns, or `None` if a contact is lost.
+    /// Returns the slips along the grooves, the rotation about t and the spin for given unknowns,
+    /// or `None` if a contact is lost.
     fn slips<D: Over<f64>>(&self, y: &[D; BALL]) -> Option<Slips<D>> {
         let angles = self.loaded_angles(y, y[TILT].sin_cos())?;
         let motions = self.contact_motions(y, angles.contacts);
@@ -74,7 +75,7 @@ impl SlipBall<'_> {
     ) -> Option<[f64; BALL]> {
         let ((sin_lead, cos_lead), arc) = (self.contacts.scaled.lead, self.contacts.scaled.arc);
         let moving = from_fn(|i| Jet::<1> { re: y[i], eps: [step[i]] });
-        // Slips and spin after one step along their tangents              (T28)
+        // Slips and spin are extrapolated linearly over the whole step    (T28)
         let Slips { along: [nut, screw], rolling, spin } = self.slips(&moving)?;
         let (nut_slip, screw_slip) = (nut.re + nut.eps[0], screw.re + screw.eps[0]);
         let (w_t, spin) = (rolling.re + rolling.eps[0], spin.re + spin.eps[0]);

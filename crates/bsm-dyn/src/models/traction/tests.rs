@@ -1,6 +1,6 @@
 //! Tests of the traction model: the status `no_solution` is compared with searches from many
 //! starting points, and both sets of unknowns, error bounds and derivatives are checked. Difficult
-//! operating points are in `validation/hard`.
+//! operating points are stored in `validation/hard`.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -18,7 +18,7 @@ use crate::models::ball::unknown::{PRECESSION, TILT};
 use crate::models::ball::{BALL, to_both, variables};
 use crate::{Coulomb, Status, hertz::Quadrature};
 
-/// Returns a random extreme operating point for a given seed and a given number.
+/// Returns the random extreme operating point with a given number in the sequence of a given seed.
 fn random_extreme_point(seed: u64, number: u64) -> ElasticPoint {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
@@ -87,9 +87,9 @@ fn root_from_random_starts(
 struct SearchCounts {
     no_solution: [usize; 2],
     undecided: [usize; 2],
-    /// Numbers for the first hundred points with a solution.
+    /// Counts for the first hundred points with a solution.
     found: [usize; 2],
-    /// Numbers for further points that have a solution but that Newton's method did not solve from
+    /// Counts for further points that have a solution but that Newton's method did not solve from
     /// its first starting values.
     hard: [usize; 2],
 }
@@ -146,7 +146,7 @@ fn random_starts_rarely_find_a_root_at_points_reported_as_unsolvable() {
 /// Repeats the test of `no_solution` with more points. Command: `cargo test --release -p bsm-dyn
 /// --lib random_starts_rarely_find_a_root_at_many_points -- --ignored --nocapture`.
 #[test]
-#[ignore = "minutes"]
+#[ignore = "takes minutes: 3000 points with 300 starting values each"]
 fn random_starts_rarely_find_a_root_at_many_points_reported_as_unsolvable() {
     let SearchCounts { no_solution, .. } = search_counts(2031, 3000, 300);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
@@ -155,7 +155,7 @@ fn random_starts_rarely_find_a_root_at_many_points_reported_as_unsolvable() {
 
 /// A root in the unknowns (T1) is also a root in the unknowns for high centrifugal loads (T10).
 #[test]
-fn equations_have_the_same_roots_in_the_unknowns_for_low_and_for_high_centrifugal_load() {
+fn equations_have_the_same_roots_in_both_sets_of_unknowns() {
     let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::default());
     let mut seen = 0;
     for number in 0..60 {
@@ -214,7 +214,7 @@ fn count_violated_error_bounds(seed: u64, points: usize) -> (usize, [usize; 3], 
             largest[i] = largest[i].max(error);
         }
     }
-    println!("{answered} points: {broken:?} broken, errors up to {largest:?}");
+    println!("{answered} points: bound exceeded at {broken:?} points, errors up to {largest:?}");
     (answered, broken, largest)
 }
 
@@ -233,7 +233,7 @@ fn reported_error_bound_exceeds_the_quadrature_error() {
 /// Repeats the test of the error bound with more points. Command: `cargo test --release -p bsm-dyn
 /// --lib quadrature_error_at_many_points -- --ignored --nocapture`.
 #[test]
-#[ignore = "minutes"]
+#[ignore = "takes minutes: 100 000 points"]
 fn reported_error_bound_exceeds_the_quadrature_error_at_many_points() {
     let (points, broken, largest) = count_violated_error_bounds(2026, 100_000);
     assert!(points > 90_000);
@@ -331,8 +331,9 @@ fn equations_agree_with_force_and_moment_vectors() {
 #[test]
 fn jacobian_matches_finite_differences_of_the_residual() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
-    // The quadrature is so accurate that changes of its node counts hardly matter, and the creep
-    // speed is not much larger than the slip speeds.
+    // The quadrature is so accurate that changes of its node counts have little effect. The creep
+    // speed is of the order of the slip speeds, so friction is a smooth but nonlinear function of
+    // the slip.
     let (quadrature, creep) = (Quadrature::of(1e-12), 0.3);
     let mut seen = 0;
     for number in 0..60 {

@@ -1,4 +1,4 @@
-//! Motion of balls in a ball train that push against each other.
+//! Motion of balls that push against each other in a ball train.
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O5).
 
@@ -124,7 +124,7 @@ pub struct TrainMotion {
     pub raceway_power: f64,
     /// Angular speed relative to the neighboring balls `$|w|$` (O1) \[rad/s\].
     pub rotation: f64,
-    /// Normal loads at nut and screw \[N\].
+    /// Normal loads at the nut and the screw \[N\].
     pub loads: [f64; 2],
     /// Normal forces of the ball in front and of the ball behind \[N\].
     pub pushes: [f64; 2],
@@ -338,8 +338,8 @@ impl TrainBall {
     /// Returns the motion at the precession rate of the ball train under a given force of the ball
     /// in front \[N\], or `None` if the solver finds no motion.
     ///
-    /// The force of the ball behind is part of the result. If it is negative, the ball behind would
-    /// have to pull.
+    /// The force of the ball behind is part of the result. If this force is negative, the ball
+    /// behind would have to pull.
     ///
     /// * `from`: known motion from which the solver starts.
     /// * `rate`: precession rate `$(P - \Omega_n)/W$` of the ball train.

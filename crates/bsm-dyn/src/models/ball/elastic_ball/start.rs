@@ -15,8 +15,8 @@ impl ElasticContacts {
     /// with an accuracy of two digits.
     ///
     /// For given axial and centrifugal forces, the force triangle leaves only one unknown: the
-    /// contact angle `$\beta_B$` at the screw. It is at least the unloaded contact angle. The
-    /// radial distance in (J7) decreases with `$\beta_B$`.
+    /// contact angle `$\beta_B$` at the screw. This angle is at least the unloaded contact angle.
+    /// The radial distance in (J7) decreases with `$\beta_B$`.
     pub(crate) fn static_balance(&self, rate: f64) -> [f64; 3] {
         let axial = self.helix.lead_angle.cos().recip();
         let centrifugal = self.inertia_ratio() * rate * rate / axial;
@@ -36,8 +36,7 @@ impl ElasticContacts {
         // residual of (J7) is below -1. Any negative number serves as the residual at this end of
         // the bracket.
         let bracket = Bracket { f_tol: 1e-3, ..Bracket::new(ends, [too_far, -2.0 / target]) };
-        // Even if the search fails, the state that was evaluated last is good enough as a starting
-        // value.
+        // Even if the search fails, the last evaluated state is good enough as a starting value.
         let _ = bracket.root(|screw| {
             let (found, excess) = at(screw);
             state = found;
