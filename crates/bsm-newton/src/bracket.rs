@@ -49,7 +49,7 @@ pub struct Bracket {
     /// Function values at the ends. If only the sign of a value is known, use infinity with this
     /// sign.
     pub values: [f64; 2],
-    /// First point to evaluate. Defaults to the zero of the straight line through both ends.
+    /// First point to evaluate. Defaults to the root of the linear interpolation between both ends.
     pub start: Option<f64>,
     /// Relative tolerance of the root. The search ends when the width of the bracket or a Newton
     /// step is at most `x_tol` times the root. If the tolerance is zero, the search ends when there
@@ -90,7 +90,7 @@ pub struct Root {
     pub value: f64,
     /// Ends of the final bracket, in the same order as the initial ends.
     pub ends: [f64; 2],
-    /// Function values at the ends.
+    /// Function values at the ends of the final bracket.
     pub values: [f64; 2],
     /// Number of function evaluations.
     pub evaluations: usize,
@@ -223,8 +223,8 @@ impl Bracket {
             } else {
                 newton.unwrap_or_else(|| {
                     // The next point keeps a minimum distance from both ends of the bracket. If one
-                    // end is already close to the root, a point beyond the root moves the other
-                    // end.
+                    // end is already close to the root, the next point then lies beyond the root
+                    // and replaces the other end.
                     let rounding = 0.5 * tolerance.max(2.0 * f64::EPSILON * best.0.abs());
                     let least = (rounding / (other - x).abs()).min(0.5);
                     let fraction = interpolated_fraction((x, value), (other, opposite), old);

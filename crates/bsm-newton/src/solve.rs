@@ -72,8 +72,8 @@ impl<const N: usize> Workspace<N> {
     /// Returns the direction of the curve that is defined by all equations except the last one
     /// (N8). Returns `None` if the Jacobian is singular.
     ///
-    /// The last equation must define a plane that intersects the curve. The Jacobian is from the
-    /// last call of [`linearize`](Self::linearize) or [`solve`].
+    /// The last equation must define a plane that intersects the curve. The method uses the
+    /// Jacobian from the last call of [`linearize`](Self::linearize) or [`solve`].
     pub(crate) fn direction(&mut self) -> Option<[f64; N]> {
         self.ensure_factors().ok()?;
         // D_F J t = sgn(det J) e_N                                        (N8)
@@ -129,8 +129,8 @@ impl<const N: usize, E: Equations<N> + ?Sized> Outcome<N, E> {
     }
 }
 
-/// Solves a small system `$F(x) = 0$` by damped Newton steps with step `$\delta x$` and damping
-/// factor `$\lambda$`.
+/// Solves a small system `$F(x) = 0$` by a damped Newton iteration with Newton steps `$\delta x_k$`
+/// and damping factors `$\lambda_k$`.
 ///
 /// ```math
 /// J(x_k)\,\delta x_k = -F(x_k), \qquad x_{k+1} = x_k + \lambda_k\,\delta x_k
