@@ -51,7 +51,7 @@ impl<D: Real> Ball<D> {
     /// by the axial load per ball, and speeds by the relative speed `$W$` (R1).
     #[inline(always)]
     pub fn scaled_mass(&self, relative_speed: D, load_per_ball: D) -> D {
-        // Lengths in r_b, forces in F_a, speeds in W: m r_b W²/F_a        (R1)
+        // Scaled mass: m r_b W²/F_a (R1)
         self.mass * self.radius * relative_speed * relative_speed / load_per_ball
     }
 }
@@ -278,8 +278,8 @@ mod tests {
         assert_relative_eq!(t, ideal_torque(140.0, r_m, alpha.tan()), max_relative = 1e-14);
     }
 
-    /// Input and output powers are positive for both directions of the power flow and for both
-    /// signs of the screw torque.
+    /// Input and output powers are positive for both directions of the power flow, which correspond
+    /// to positive and negative relative speeds.
     #[test]
     fn input_and_output_powers_are_positive() {
         let driving = Power::transmitted(1.2_f64, 1.0, 3.0);
@@ -293,7 +293,7 @@ mod tests {
         assert_relative_eq!(driven.imbalance(0.3), 0.1, max_relative = 1e-14);
     }
 
-    /// Hand calculation for a steel ball: 4/3 π 4³ mm³ × 7.8 mg/mm³ = 2.09 g.
+    /// A hand calculation for a steel ball gives a mass of 4/3 π 4³ mm³ × 7.8 mg/mm³ = 2.09 g.
     #[test]
     fn mass_and_inertia_match_a_hand_calculation() {
         let ball = Ball::of_density(4e-3, 7800.0);

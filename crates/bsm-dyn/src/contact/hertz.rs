@@ -94,8 +94,8 @@ impl<D: Real> Groove<D> {
         (self.conformity * 2.0 - 1.0) * ball_radius
     }
 
-    /// Returns the relative curvatures of ball and groove at first contact (H3) to (H6). Compared
-    /// with [`Self::curvatures`], the function takes the tangent of the lead angle and the cosine of
+    /// Returns the relative curvatures of ball and groove at first contact (H3) to (H6). Unlike
+    /// [`Self::curvatures`], this function takes the tangent of the lead angle and the cosine of
     /// the contact angle instead of the angles.
     #[inline(always)]
     pub fn curvatures_at(
@@ -343,7 +343,7 @@ impl<const N: usize> WithSimd for SideBySide<N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        const { assert!(N <= BLOCK, "one block") };
+        const { assert!(N <= BLOCK, "the number of contacts must not exceed the block size") };
         let mut targets = [1.0; BLOCK];
         targets[..N].copy_from_slice(&self.0);
         let is_practical = self.0.iter().all(|ratio| *ratio <= Axes::<f64>::MAX_PRACTICAL_RATIO);
@@ -557,7 +557,7 @@ mod tests {
         /// Derivatives with respect to the curvature along the track and the contact modulus agree
         /// with finite differences.
         #[test]
-        fn derivatives_match_finite_differences(log_ratio in 1e-3..9.0_f64) {
+        fn hertz_derivatives_match_finite_differences(log_ratio in 1e-3..9.0_f64) {
             let (transverse, modulus) = (13.0, 1.1e11);
             let longitudinal = transverse * log_ratio.exp();
             let jets = Curvatures { longitudinal: Jet::variable(longitudinal, 0), transverse: Jet::from(transverse) };

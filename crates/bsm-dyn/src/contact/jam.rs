@@ -228,8 +228,8 @@ pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
     normal * 2.0 / ((friction + friction.recip()) * return_angle.cos())
 }
 
-/// Returns the force along the track with which friction drives the loaded balls of one turn
-/// against the ball ahead \[N\] (M16).
+/// Returns the friction force along the track \[N\] that pushes the loaded balls of one turn
+/// against the ball ahead (M16).
 ///
 /// * `balls`: number of balls per turn.
 /// * `friction`: friction coefficient `$f$`.
@@ -388,7 +388,7 @@ mod tests {
         assert_eq!(step(1.5, 0.4, 0.0).thrust_ratio(), None);
     }
 
-    /// Hand calculation of the drag force: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 N.
+    /// A hand calculation gives a drag force of (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 N.
     #[test]
     fn drag_and_centrifugal_force_match_hand_calculations() {
         let drag = viscous_drag(0.5, 880.0, 3.5e-3, 2.0);

@@ -68,7 +68,7 @@ pub(super) trait AddChords<S: Simd> {
 /// can then work on one block while it waits for the results of another.
 const AHEAD: usize = 2;
 
-/// Calls `sums` with the lines across the ellipses of two contacts. Contacts with `done` set are
+/// Passes the lines across the ellipses of two contacts to `sums`. Contacts with `done` set are
 /// skipped.
 #[inline(always)]
 pub(super) fn for_each_chord<S: Simd>(

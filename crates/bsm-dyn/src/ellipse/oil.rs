@@ -143,7 +143,7 @@ impl<S: Simd> HalfChord<S> {
     /// Returns the node for a position and a weight on [0, 1].
     #[inline(always)]
     pub(super) fn node(&self, (abscissa, part): (f64, f64)) -> HalfNode<S> {
-        // The nodes are concentrated around t* with the same transformation as on rings.
+        // As on rings, the nodes are concentrated by a sinh transformation, here around t* (Y35).
         let grow = (self.length * abscissa + self.from).exp();
         let fall = grow.recip();
         let half = self.width * 0.5;
