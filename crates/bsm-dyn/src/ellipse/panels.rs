@@ -122,8 +122,8 @@ impl<'a> Panels<'a> {
         all
     }
 
-    /// Adds the panels of an ellipse around two poles with the given `$\sinh^2\eta$`. If a pole is
-    /// inside a panel, the panel is split there.
+    /// Adds the panels of an ellipse around two poles with the given `$\sinh^2\eta$`. A panel is
+    /// split at its pole if the pole is within the panel and counts as inside the ellipse.
     #[inline(always)]
     fn add(&mut self, ellipse: usize, nodes: Placement<'a>, poles: [(Pole<f64>, f64); 2]) {
         let (rule, (frozen, _)) = (nodes.rule, nodes.lines());

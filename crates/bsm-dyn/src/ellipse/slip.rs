@@ -66,7 +66,7 @@ pub(super) struct Pole<F> {
 }
 
 impl<F: Real> Pole<F> {
-    /// Selects the pole `other` where the mask is true.
+    /// Returns the pole `other` where the mask is true, and the pole `self` elsewhere.
     #[inline(always)]
     fn or(self, mask: F::Mask, other: Self) -> Self {
         let width = F::select(mask, other.width, self.width);
