@@ -297,7 +297,7 @@ impl BallEnergy {
                 screw += touching.slope;
             }
         }
-        // U_ww − U_wx U_xx⁻¹ U_xw = A (A + B)⁻¹ B, without a difference  (U12)
+        // U_ww − U_wx U_xx⁻¹ U_xw = A (A + B)⁻¹ B, which avoids the subtraction (U12)
         let slope = inverse(self.slope).map_or([[0.0; 2]; 2], |inverse| {
             let product = nut * inverse * screw;
             let across = 0.5 * (product[(0, 1)] + product[(1, 0)]);
@@ -306,7 +306,7 @@ impl BallEnergy {
         let load = |touching: &Option<ContactForce>| touching.as_ref().map_or(0.0, |t| t.load);
         let angles = from_fn(|c| {
             let m = self.contacts[c].map_or(Vector2::y(), |t| t.m);
-            // atan2(±m_b, m_n) at the nut, of −m at the screw             (U8)
+            // β = atan2(±m_b, m_n) at the nut; at the screw, m is replaced by −m (U8)
             let outwards = SIGNS[c / 2];
             (outwards * SIGNS[c % 2] * m[0]).atan2(outwards * m[1])
         });

@@ -721,8 +721,8 @@ impl BallNut {
             // Chebyshev point reduces the error.
             let most = count(group.len());
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
-            // At the load at which a far flank begins to carry load, the friction has a kink and is
-            // not interpolated.
+            // The friction has a kink at the load at which a far flank begins to carry load, so it
+            // is not interpolated.
             let bends = group.iter().any(|n| self.play(*n, found).is_some());
             if low <= inertia || points >= most || bends {
                 for number in group {

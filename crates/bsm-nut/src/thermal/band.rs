@@ -63,7 +63,7 @@ pub(super) fn interval(
         Ok(found) => (changes(&found), None),
         Err(why) => (vec![[0.0; 2]; middle.len()], Some(why)),
     };
-    // upper = value + shift + √(Σ largest rise²), lower likewise          (I21)
+    // upper limit = value + shift + √(Σ largest increase²); the lower limit is analogous (I21)
     let end = |((middle, [down, up]), [less, more]): ((&f64, &[f64; 2]), [f64; 2])| {
         [middle - less - down.sqrt(), middle + more + up.sqrt()]
     };
