@@ -476,7 +476,7 @@ impl CircuitState {
 }
 
 /// Permitted relative change of the push force at the entry between two passes around the circuit.
-/// If the change is smaller, the passes end.
+/// The iteration ends if the change is smaller.
 const ENTRY_TOLERANCE: f64 = 1e-9;
 /// Maximum number of passes around a circuit. If at least one ball is not pushed from behind, two
 /// passes are sufficient, because the state of this ball does not depend on the balls behind it.
@@ -829,7 +829,8 @@ impl Flow<'_> {
         }
         for pair in pass.states.windows(2) {
             let [behind, ahead] = [pair[0].rate, pair[1].rate].map(|rate| self.speed_of(rate));
-            // Σ f_b r_b (N_f + N_b)|w| + Σ F_i v, N_x v_Z − N_e v_1, Σ N (v_behind − v_ahead)   (O16)
+            // Between balls: Σ f_b r_b (N_f + N_b)|w| + Σ F_i v; in the ball return: N_x v_Z − N_e
+            // v_1; where balls catch up: Σ N (v_behind − v_ahead) (O16)
             lost[3] += pair[0].pushes[0] * (behind - ahead);
         }
         let [first, last] = [pass.states.first(), pass.states.last()]

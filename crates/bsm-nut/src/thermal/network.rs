@@ -26,8 +26,8 @@ pub struct ScrewBar {
     pub conductivity: f64,
     /// Coefficient of thermal expansion of nut, screw and balls \[1/K\].
     pub expansion: f64,
-    /// Whether each end of the screw has a support bearing. An end without a bearing does not
-    /// transfer heat to the structure.
+    /// For each end of the screw, true if it has a support bearing. An end without a bearing does
+    /// not transfer heat to the structure.
     pub bearings: [bool; 2],
     /// Axial constraint by two fixed bearings; `None` if the screw can expand freely.
     pub hold: Option<AxialHold>,

@@ -36,7 +36,7 @@ fn prescribed_displacements(at: [f64; 5]) -> Support {
     Support(at.map(Freedom::Held))
 }
 
-/// In a rigid, guided nut, all balls carry the same load, which matches the closed formula.
+/// In a rigid, guided nut, all balls carry the same load, which matches the closed-form solution.
 #[test]
 fn balls_of_a_guided_rigid_nut_carry_equal_loads() {
     let nut = nut_with_98_balls();
@@ -157,14 +157,14 @@ fn load_concentrations_match_an_independent_solution() {
 }
 
 /// Torsion of the screw increases its axial compliance by the factor 1 + 4 (1 + ν) (h/r)²,
-/// according to the closed formula for a solid shaft.
+/// according to the closed-form expression for a solid shaft.
 #[test]
 fn torsion_reduces_the_stiffness_of_the_screw() {
     let nut = nut_with_98_balls();
     let ratio = nut.screw_stiffness(false) / nut.screw_stiffness(true);
     let radius = 0.5 * nut.groove_diameters()[0];
     let per_radian = nut.helix.lead() / TAU;
-    // The calculated ratio and the closed formula differ only by rounding errors.
+    // The calculated ratio and the closed-form expression differ only by rounding errors.
     assert_relative_eq!(ratio, 1.0 + 5.2 * (per_radian / radius).powi(2), max_relative = 1e-14);
     assert!((1.03..1.05).contains(&ratio), "{ratio}");
 }
@@ -525,8 +525,8 @@ proptest! {
 }
 
 /// In a single nut, the thermal expansion of the balls first reduces the play. The balls press
-/// against both flanks only after the play is closed. From then on, the preload is that of balls
-/// whose oversize equals the remaining expansion.
+/// against both flanks only after the play is closed. After that, the preload equals the preload of
+/// a nut whose balls are oversize by the remaining expansion.
 #[test]
 fn thermal_expansion_of_balls_takes_up_the_play_first() {
     let rises = [0.0, 0.0, 10.0];
