@@ -122,9 +122,9 @@ pub(crate) fn newton_euler<D: Scalar>(
 ) -> Wrench<D> {
     let rate = motion.precession;
     Wrench {
-        // Σ F − m r_m P² n                                                (B4)
+        // Residual force: Σ F − m r_m P² n                                (B4)
         force: contacts.force - frame.n * (ball.mass * pitch_radius * rate.square()),
-        // Σ M − P k × (I ω)                                               (B5)
+        // Residual moment: Σ M − P k × (I ω)                              (B5)
         moment: contacts.moment - frame.k.cross(&motion.omega) * (ball.inertia() * rate),
     }
 }
@@ -194,7 +194,7 @@ impl<D: Real> Load<D> {
 /// * `back`: true if the load back-drives the screw.
 #[inline(always)]
 pub fn efficiency<F: Real>(back: F::Mask, ideal: F, torque: F) -> F {
-    // η = F_a r_m tanα / T  or  T / (F_a r_m tanα)                        (B8)
+    // η = F_a r_m tanα / T, or T / (F_a r_m tanα) for back-driving        (B8)
     F::select(back, torque, ideal) / F::select(back, ideal, torque)
 }
 
@@ -251,7 +251,7 @@ impl<F: Real> Power<F> {
     /// force balance.
     #[inline(always)]
     pub fn imbalance(&self, friction: F) -> F {
-        // (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)                (B10)
+        // Imbalance: (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)     (B10)
         let scale = self.input.abs().larger(self.output.abs()).larger(friction);
         (self.dissipated - friction) / scale
     }

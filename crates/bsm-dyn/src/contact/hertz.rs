@@ -71,8 +71,8 @@ impl<D: Real> Curvatures<D> {
 }
 
 impl Curvatures {
-    /// Returns the permanent approach \[m\] that remains after a load (H12). Under load, it is
-    /// added to the elastic approach.
+    /// Returns the permanent approach \[m\] that remains after a load is removed (H12). Under load,
+    /// it is added to the elastic approach.
     ///
     /// * `load`: normal load `$Q$` \[N\].
     /// * `ball_radius`: ball radius `$r_b$` \[m\].
@@ -296,8 +296,8 @@ impl<D: Real> Axes<D> {
     /// Solves (H7) for a curvature ratio. Also returns the equation evaluated at the root.
     #[inline(always)]
     fn solve(target: D, effort: Iterations) -> (Self, CurvatureEquation<D>) {
-        // Starting value: κ ≈ (ρ_t/ρ_x)^{5/8}, which is similar to the formula of Brewe and
-        // Hamrock. For a circle, κ = 1 is exact.
+        // The starting value is κ ≈ (ρ_t/ρ_x)^{5/8}, which is similar to the formula of Brewe and
+        // Hamrock. For a circle, it is exact: κ = 1.
         let mut q = (target * target.sqrt().sqrt()).sqrt().recip();
         for _ in 0..effort.steps {
             let at = CurvatureEquation::at(q, effort.agm_steps);
@@ -320,7 +320,7 @@ impl<D: Scalar> Axes<D> {
         let found = Arch::new().dispatch(SideBySide(targets.map(|target| target.re())));
         from_fn(|i| {
             let (Axes { flatness, k, e }, at) = found[i];
-            // d ln κ = d ln t / s: exact to first order in any scalar type    (V4)
+            // d ln κ = d ln t / s, which is exact to first order for any scalar type (V4)
             let t = targets[i].re();
             let moved = (targets[i] - D::from(t)) * (at.above() * at.below() / (at.slope() * t));
             // dK/d ln κ = K (1 − r)/2,  dE/d ln κ = −K q² (1 + r)/2       (H11)
@@ -416,7 +416,7 @@ impl<D: Real> CurvatureEquation<D> {
     /// of `$\kappa$`, multiplied by `$(1 + r)(1 - r)$`.
     #[inline(always)]
     fn slope(&self) -> D {
-        // (1 + r)(1 − 3r) + 2w, from the derivatives of K and E           (H11)
+        // Slope: (1 + r)(1 − 3r) + 2w, from the derivatives of K and E    (H11)
         self.above() * (self.r * -3.0 + 1.0) + self.w * 2.0
     }
 

@@ -39,7 +39,8 @@ impl Transition {
         let log = log.max(one.constant(0.0)).min(one.constant(40.0));
         let room = (-(log * PRESSURE_SLOPE) + 1.0).recip();
         let largest = part.max(one.constant(1e-4)).recip() * self.scale;
-        // The complex poles are at a distance of π/2 in l: dp*/dl = a_p/(1 − b_p l)²
+        // In the variable l, the complex poles are at a distance of π/2. The factor
+        // dp*/dl = a_p/(1 − b_p l)² converts this distance to pressure.
         (log * room * largest, room * room * largest * FRAC_PI_2)
     }
 }

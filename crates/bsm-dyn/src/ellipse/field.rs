@@ -107,7 +107,7 @@ mod tests {
         let across = BallFrame::tangent().cross(&ellipse.contact.normal);
         let expected: [f64; 2] = [wrench.force.x, wrench.force.dot(&across)];
         for (sum, expected) in force.into_iter().zip(expected) {
-            // Integration over a grid of squares has an error of a few 1e-4 of f Q, because the
+            // Integration over a grid of squares has an error of a few times 1e-4 f Q, because the
             // friction direction changes abruptly at the spin pole.
             let error: f64 = sum / load * ellipse.load - expected;
             assert!(error.abs() < 1e-3 * 0.08 * ellipse.load, "{sum} {expected}");

@@ -52,10 +52,10 @@ pub(crate) struct Resultants<F = f64> {
 
 /// Number of components of the motion of the ball.
 pub(crate) const MOTION: usize = 4;
-/// Number of sums: the components of force and moment.
+/// Number of sums for the components of force and moment.
 pub(crate) const SUMS: usize = 5;
-/// Number of derivatives: with respect to the components of the motion, and with respect to the
-/// size of the ellipse.
+/// Number of derivatives, which are taken with respect to the components of the motion and the size
+/// of the ellipse.
 pub(crate) const SLOPES: usize = MOTION + 1;
 
 /// Number of sums for force, moment and power.

@@ -151,7 +151,7 @@ impl<S: Simd> HalfChord<S> {
         let t = (half * (grow - fall) + self.at).max(one.constant(0.0)).min(one);
         let square = t * t;
         let pressure = t * (-square + 2.0).sqrt();
-        // (2/π) √(1 − s²) ds,  s = 1 − t²
+        // Weight: (2/π) √(1 − s²) ds with s = 1 − t²
         let weight =
             t * pressure * (half * (grow + fall)) * (self.length * (part * 2.0 * FRAC_2_PI));
         HalfNode { s: -square + 1.0, pressure, weight }

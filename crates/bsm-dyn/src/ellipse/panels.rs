@@ -114,7 +114,7 @@ impl<'a> Panels<'a> {
                 all.add(c, nodes[c], poles.map(here));
             }
         }
-        // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)        (T17)
+        // The variable τ extends from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j) (T17)
         let ends = all.ends[..all.of[1].end].as_flattened_mut();
         for at in (0..ends.len()).step_by(S::F64_LANES) {
             Lane::<S>::load(simd, &ends[at..]).arsinh().store(&mut ends[at..]);

@@ -278,7 +278,7 @@ fn power_balance_holds_at_low_speed_with_saturated_friction() {
     }
 }
 
-/// An earlier version did not report that a tolerance cannot be met.
+/// An earlier version did not report that a tolerance could not be met.
 #[test]
 fn auto_reports_an_error_bound_above_the_tolerance_if_the_tolerance_is_unattainable() {
     let screw = lin(10.0, 45.0, 2000.0, 2113.0);
