@@ -288,7 +288,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
     ) -> Option<(f64, [f64; N], Evaluated<N, E>)> {
         let mut lambda = self.equations.max_step_length(x, dx);
         for _ in 0..=damping.max_halvings {
-            // R(λ δx_k), R(0) = x_k, R'(0) = δx_k                          (N15)
+            // The trial point is R(λ δx_k), with R(0) = x_k and R'(0) = δx_k (N15)
             let trial = self.equations.retract(x, dx, lambda);
             if let Ok(there) = self.evaluate(&trial, with_jacobian) {
                 let (after, _) = scaled_norm(&there.0, &self.work.d_f);

@@ -98,7 +98,7 @@ fn predicate_transition_is_enclosed_by_adjacent_doubles() {
 /// If interpolation fails, the search stays within the limit of evaluations and still finds a sign
 /// change.
 #[test]
-fn difficult_functions_stay_within_the_evaluation_limit() {
+fn root_search_for_difficult_functions_stays_within_the_evaluation_limit() {
     type Case = (fn(f64) -> f64, [f64; 2]);
     let hostile: [Case; 6] = [
         (|x| (x - 1.0).powi(9), [0.0, 10.0]),

@@ -36,8 +36,8 @@ fn follow_curve(
     trace(&Curve(curve), &Seed { z, towards }, event, on, control)
 }
 
-/// A circle crosses a line twice, and the path is closed. This applies to both directions along the
-/// circle.
+/// The path around a circle crosses a line twice and is closed, regardless of the direction in
+/// which the circle is followed.
 #[test]
 fn closed_curve_is_traced_exactly_once() {
     for (towards, first, points) in [([0.0, 1.0], 0.8, 19), ([0.0, -1.0], -0.8, 21)] {

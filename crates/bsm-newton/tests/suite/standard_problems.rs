@@ -138,7 +138,7 @@ fn powell_singular_converges_linearly() {
 }
 
 #[test]
-fn convergence_is_quadratic_at_the_root() {
+fn newton_converges_quadratically_near_the_root() {
     let report = solve_equations(logarithm, &mut [1.1]);
     assert_eq!(report.status, Termination::Converged);
     let r: Vec<f64> = report.steps.iter().map(|s| s.residual).collect();
@@ -317,7 +317,7 @@ fn orientation_of_the_path_tangent_follows_the_sign_of_the_jacobian_determinant(
         });
         let work = &mut Workspace::default();
         let direction = path_direction(&system, &[0.0; 3], &[1.0; 3], work).expect("regular");
-        // det = -0.5 · 6 · sense, t_z = sgn(det) / (-0.5).
+        // The determinant is -3 · sense, so t_z = sgn(det) / (-0.5) = 2 · sense.
         assert!((direction[2] - 2.0 * sense).abs() < 1e-15, "{direction:?}");
         assert!(direction[0].abs() + direction[1].abs() == 0.0, "{direction:?}");
     }
