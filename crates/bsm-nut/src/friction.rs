@@ -65,8 +65,8 @@ pub struct ThirdContacts {
 pub struct FreeMotion {
     /// Precession rate relative to the nut, divided by the relative speed, `$(P - \Omega_n)/W$`.
     pub rate: f64,
-    /// Rotational speed of the ball across the groove, relative to the neighboring balls in the
-    /// train (O1) \[rad/s\].
+    /// Angular speed of the ball without its component along the groove, relative to the
+    /// neighboring balls in the train (O1) \[rad/s\].
     pub rotation: f64,
     /// State of the ball, if the ball has exactly two contacts.
     pub ball: Option<BallState>,
@@ -870,8 +870,8 @@ impl BallNut {
     /// Returns true if two balls have equal loads, contact angles and oversizes, except for
     /// rounding errors.
     pub(crate) fn alike(&self, found: &Equilibrium, one: usize, other: usize) -> bool {
-        /// Relative difference between two loads or contact angles, up to which they count as
-        /// equal. The residual of the nut equilibrium is 1e-12 relative to the loads.
+        /// Largest relative difference between two loads or contact angles that count as equal. The
+        /// residual of the nut equilibrium is 1e-12 relative to the loads.
         const SAME: f64 = 1e-10;
         let near = |[a, b]: [f64; 2]| (a - b).abs() <= SAME * a.abs();
         let [a, b] = [one, other].map(|number| &found.balls[number]);

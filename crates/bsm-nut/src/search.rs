@@ -13,8 +13,8 @@ use crate::{BallInGrooves, BallNut};
 /// Maximum number of Newton steps. Ten steps are usually sufficient.
 const MAX_EQUILIBRIUM_STEPS: usize = 100;
 
-/// Residual force, divided by the sum of the absolute values of all forces, up to which the forces
-/// count as balanced (dimensionless).
+/// Largest residual force, divided by the sum of the absolute values of all forces, at which the
+/// forces count as balanced (dimensionless).
 const RESIDUAL_TOLERANCE: f64 = 1e-12;
 
 /// Number of Newton steps after which a larger residual is accepted, and the limit for this

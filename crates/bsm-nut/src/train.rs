@@ -17,8 +17,8 @@ use bsm_newton::{Bracket, FunctionValue};
 use crate::geometry::count;
 use crate::{BallNut, Equilibrium, FreeMotion};
 
-/// Largest ratio of push force to mean ball load at which the influence of push forces on ball
-/// loads and contact angles is still neglected.
+/// Largest ratio of push force to ball load at which the influence of push forces on ball loads and
+/// contact angles is still neglected.
 pub const MAX_PUSH_RATIO: f64 = 0.03;
 
 /// Ball advance: the motion of balls that do not touch, relative to a cage that turns at constant
@@ -842,7 +842,7 @@ impl Flow<'_> {
     /// Returns the power loss of a ball that slides on both raceways without rotating \[W\].
     fn blocked(&self, ball: &TrainBall, rate: f64) -> f64 {
         let ([nut, screw], speed) = (ball.free().loads, self.speed_of(rate));
-        // f Q_A v + f Q_B (d|W| − v)                                      (O7)
+        // P = f Q_A v + f Q_B (d|W| − v)                                  (O7)
         ball.friction() * (nut * speed + screw * (self.speed_of(1.0) - speed))
     }
 
@@ -862,7 +862,7 @@ impl Flow<'_> {
             .states
             .iter()
             .map(|state| BallOfTrain {
-                // d (θ_c p_j/p_c − θ_c)                                   (O9)
+                // Gap: d (θ_c p_j/p_c − θ_c)                              (O9)
                 gap: self.pitch() * (state.rate / pass.rate - 1.0),
                 rolling: state.rolling,
                 rate: state.rate,

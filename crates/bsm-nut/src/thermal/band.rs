@@ -35,7 +35,8 @@ pub(super) fn interval(
     guessed: impl Fn((Guess, f64)) -> Result<Vec<f64>, NoSteadyState>,
     complete: impl Fn() -> Result<Vec<f64>, NoSteadyState>,
 ) -> StateInterval {
-    // Amounts by which each result decreases and increases when one quantity is changed.
+    // The closure returns the amounts by which each result decreases and increases when one
+    // quantity is changed.
     let changes = |found: &[f64]| -> Vec<[f64; 2]> {
         let change =
             |(found, middle): (&f64, &f64)| [(middle - found).max(0.0), (found - middle).max(0.0)];

@@ -115,9 +115,9 @@ impl Network {
         }
     }
 
-    /// Returns the matrix `$M$`, which multiplied by the temperatures gives the heat flows that
-    /// leave the nodes \[W/K\], and the vector `$r$` of heat flows from the surroundings to the
-    /// nodes \[W\] (I8).
+    /// Returns the matrix `$M$`, whose product with the temperatures gives the heat flows out of
+    /// the nodes \[W/K\], and the vector `$r$` of heat flows from the surroundings to the nodes
+    /// \[W\] (I8).
     pub fn balance(&self) -> ([[f64; NODES]; NODES], [f64; NODES]) {
         let (of, fin, (given, around)) = (&self.conductances, self.fin(), self.along());
         let mut matrix = [[0.0; NODES]; NODES];

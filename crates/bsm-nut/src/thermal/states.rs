@@ -52,7 +52,7 @@ const MAX_STEP_FOR_RESULTS: f64 = 0.25;
 /// Lower limit of the ratio of speed to fold speed for tracing the unstable states beyond the fold.
 const UNSTABLE_SPEED_FRACTION: f64 = 0.8;
 
-/// Residual of the heat balance divided by the generated heat, at which Newton's method stops.
+/// Residual of the heat balance, divided by the generated heat, below which Newton's method stops.
 const RESIDUAL_TOLERANCE: f64 = 1e-10;
 
 /// Maximum number of Newton steps in the search for a steady state.
@@ -705,7 +705,7 @@ fn largest_real_part(a: &[[f64; FRICTION_NODES]; FRICTION_NODES]) -> f64 {
     let matrix = Matrix3::from_fn(|i, k| a[i][k]);
     let schur = Schur::try_new(matrix, f64::EPSILON, MAX_QR_SWEEPS);
     schur.map_or(f64::NAN, |schur| {
-        // gain = max Re λ(M⁻¹ P')                                        (I18)
+        // The loop gain is max Re λ(M⁻¹ P')                              (I18)
         schur.complex_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max)
     })
 }

@@ -270,7 +270,7 @@ fn push_force_from_the_ball_return_decreases_linearly_along_equally_loaded_balls
 }
 
 #[test]
-fn friction_matches_single_balls_if_the_balls_do_not_touch() {
+fn friction_equals_the_sum_over_single_balls_if_the_balls_do_not_touch() {
     let mut reference = back_driven_nut();
     let (advance, friction, _) = reference.advance();
     let needed = advance.circuits[0].needed_gap;

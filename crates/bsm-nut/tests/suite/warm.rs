@@ -709,9 +709,9 @@ fn temperature_rise_of_a_single_thermal_node_is_heat_divided_by_conductance() {
 }
 
 /// The network assumes a uniform temperature along the travel. For a long screw, the resulting mean
-/// temperature rise matches a closed-form expression. It is lower than the mean temperature rise of
-/// an exact fin that is heated along the travel. The difference is 6 % at m L_t = 0.5, 12 % at 2
-/// and 3, 9 % at 7, and 6 % at 12.
+/// temperature rise matches a closed-form expression. It is lower than the mean temperature rise in
+/// the exact solution for a fin that is heated along the travel. The difference is 6 % at m L_t =
+/// 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at 12.
 #[test]
 fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
     let base = axis(&reference("WS-P2")["case"]);
@@ -770,7 +770,7 @@ fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
 /// of nut and screw. The remaining change is less than 2 % of the change in X arrangement. It is
 /// not zero because the preload changes the contact angle of 45 deg by about 0.01 rad.
 #[test]
-fn o_pair_at_neutral_distance_is_insensitive_to_screw_temperature() {
+fn pair_in_o_arrangement_at_neutral_distance_is_insensitive_to_screw_temperature() {
     let change = |id: &str| {
         let mut case = reference(id)["case"].clone();
         let radius = 0.5 * length_in_m(&case, "pitch_circle_diameter_mm");
