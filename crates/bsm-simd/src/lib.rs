@@ -17,7 +17,8 @@ pub use lane::{Lane, Mask};
 pub use polynomial::polynomial;
 pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
-/// Number of values that are processed together, which is the width of the widest vectors.
+/// Number of values that are processed together, which is the number of values in the widest
+/// vectors.
 pub const BLOCK: usize = 8;
 
 /// A block with one number for each of [`BLOCK`] points.
