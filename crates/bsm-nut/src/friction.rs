@@ -1,6 +1,7 @@
 //! Friction of all balls of a nut. Loads and groove displacements differ from ball to ball.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U21), (U30) and (U32), and `docs/theory/22-third-contact.md`.
+//! Theory: `docs/theory/16-nut.md`, equations (U21), (U30), (U32) and (U33), and
+//! `docs/theory/22-third-contact.md`.
 
 use std::cell::Cell;
 
@@ -721,8 +722,8 @@ impl BallNut {
             // Chebyshev point reduces the error.
             let most = count(group.len());
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
-            // The friction has a kink at the load at which a far flank begins to carry load, so it
-            // is not interpolated.
+            // The friction of balls that may touch their far flanks is not interpolated, because it
+            // has a kink at the load at which a far flank begins to carry load.
             let bends = group.iter().any(|n| self.play(*n, found).is_some());
             if low <= inertia || points >= most || bends {
                 for number in group {

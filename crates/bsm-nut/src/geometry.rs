@@ -1,6 +1,6 @@
 //! Geometry of a nut: positions of the balls, and manufacturing errors of balls and grooves.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U7) and (U31).
+//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U7), (U31) and (U35).
 
 use std::f64::consts::TAU;
 

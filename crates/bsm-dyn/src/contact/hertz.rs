@@ -135,7 +135,7 @@ impl<D: Scalar> Groove<D> {
     /// * `lead_angle`, `contact_angle`: lead angle `$\alpha$` and unloaded contact angle
     ///   `$\beta_0$` \[rad\].
     ///
-    /// Difference from bearing formulas: bearing formulas treat the helix as a circle and
+    /// Difference from bearing formulas: the helix is not treated as a circle, which would
     /// overestimate its curvature by the factor `$1/\cos^2\alpha$`.
     pub fn curvatures(
         &self,
@@ -452,8 +452,8 @@ mod tests {
         let nut = lin_contact(Raceway::Nut);
         assert_relative_eq!(nut.flatness.recip(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
-        // The reference states 1.88829920e-5. Its relative difference from the reference ratio a/κ
-        // is 2e-8.
+        // The reference states 1.88829920e-5 for this semi-axis. The quotient a/κ of the reference
+        // values differs from it by a relative amount of 2e-8, so the test uses the quotient.
         assert_relative_eq!(nut.semi_axes(1.0).1, 1.888_299_23e-5, max_relative = 1e-8);
         assert_relative_eq!(nut.stiffness(), 2.445_283_496_7e10, max_relative = 1e-10);
         let screw = lin_contact(Raceway::Screw);

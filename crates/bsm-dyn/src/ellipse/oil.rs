@@ -143,7 +143,8 @@ impl<S: Simd> HalfChord<S> {
     /// Returns the node for a position and a weight on [0, 1].
     #[inline(always)]
     pub(super) fn node(&self, (abscissa, part): (f64, f64)) -> HalfNode<S> {
-        // As on rings, the nodes are concentrated by a sinh transformation, here around t* (Y35).
+        // A sinh transformation concentrates the nodes around t* (Y35), like the transformation for
+        // rings.
         let grow = (self.length * abscissa + self.from).exp();
         let fall = grow.recip();
         let half = self.width * 0.5;

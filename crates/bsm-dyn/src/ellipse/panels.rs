@@ -84,8 +84,8 @@ impl WithSimd for PolesOfBoth<'_> {
 }
 
 impl<'a> Panels<'a> {
-    /// Creates the panels of two contacts side by side. No panels are created for contacts with
-    /// `done` set.
+    /// Creates the panels of two contacts side by side. No panels are created for contacts for
+    /// which `done` is true.
     #[inline(always)]
     pub(super) fn of<S: Simd>(
         simd: S,

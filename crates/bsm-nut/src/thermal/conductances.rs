@@ -1,6 +1,6 @@
 //! Estimated conductances between nut, screw, balls and surroundings, and their uncertainty.
 //!
-//! Theory: `docs/theory/19-warm-state.md`, equations (I9) to (I12).
+//! Theory: `docs/theory/19-warm-state.md`, equations (I9) to (I12) and (I22).
 
 use std::f64::consts::{PI, TAU};
 

@@ -393,7 +393,7 @@ fn soft_guides_act_like_no_guides_and_stiff_guides_like_rigid_guides() {
 /// If all balls are equally loaded, the total friction is the friction of one ball multiplied by
 /// the number of balls. Without external load, the torque of a pair is caused by friction alone.
 #[test]
-fn friction_of_equally_loaded_balls_adds_up() {
+fn friction_of_equally_loaded_balls_is_proportional_to_their_number() {
     let drive = Drive { screw_speed: 500.0 * PI / 30.0, nut_speed: 0.0 };
     let mut work = ModelWorkspace::default();
     let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);

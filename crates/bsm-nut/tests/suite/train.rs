@@ -412,7 +412,7 @@ fn push_forces_without_inertia_are_equal_for_a_rotating_nut_and_a_rotating_screw
 }
 
 #[test]
-fn push_forces_scale_with_the_square_of_the_length() {
+fn push_forces_of_a_scaled_nut_are_proportional_to_the_square_of_the_scale() {
     let mut reference = back_driven_nut();
     reference.nut.ball.mass *= 1e-7;
     reference.inputs.gaps = vec![0.2e-3];
