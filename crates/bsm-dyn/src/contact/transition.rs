@@ -28,9 +28,10 @@ impl Transition {
 
     /// Returns the pressure at the transition for a given slip speed, and the distance from this
     /// pressure to the complex poles of the friction coefficient. Both are divided by the maximum
-    /// pressure.
+    /// pressure on the line.
     ///
     /// * `square`: square of the slip speed.
+    /// * `part`: maximum pressure on the line, divided by the maximum pressure in the contact.
     #[inline(always)]
     pub(crate) fn pressure<S: Simd>(&self, square: Lane<S>, part: Lane<S>) -> (Lane<S>, Lane<S>) {
         let one = square.constant(1.0);
