@@ -1,6 +1,6 @@
 //! Compares the speed of the vectorized kernels on each instruction set with the speed of the
-//! scalar models, and measures how long whole tables take from file to file: `cargo bench -p
-//! bsm-benches --bench batch`.
+//! scalar models, and measures how long whole tables take from file to file. To run this benchmark,
+//! use `cargo bench -p bsm-benches --bench batch`.
 
 use std::fs::File;
 use std::hint::black_box;
@@ -78,8 +78,8 @@ fn kernels(c: &mut Criterion) {
     }
 }
 
-/// Measures the speed of the rigid model with two outputs on all cores. The time includes reading
-/// and writing the files.
+/// Measures how fast tables are solved with the rigid model and two outputs on all cores. The time
+/// includes reading and writing the files.
 fn tables(c: &mut Criterion) {
     let rows = 100_000;
     let (points, _, base) = chunk(&seeded(rows));

@@ -288,7 +288,7 @@ mod tests {
     /// root. The library calculates derivatives by automatic differentiation and expresses the slip
     /// at A in polar form (R4).
     #[test]
-    fn rigid_model_residual_and_jacobian_match_the_peer_library() {
+    fn independent_residual_and_jacobian_match_the_library() {
         for (i, case) in seeded(200).iter().enumerate() {
             let Ok(Problem::Rigid(rigid)) = case.problem(&Model::Rigid.into()) else {
                 panic!("a rigid problem")

@@ -3,8 +3,8 @@
 //!
 //! For a square system, a Gauss-Newton step equals a Newton step but is calculated with the inverse
 //! of JᵀJ. The `vec` backend of argmin-math cannot invert matrices, and its nalgebra backend
-//! requires another version of nalgebra than this project. Therefore, the few operations that the
-//! solver requires are implemented here for fixed-size matrices.
+//! requires a version of nalgebra that differs from the version in this project. Therefore, the few
+//! operations that the solver requires are implemented here for fixed-size matrices.
 
 use argmin::core::{Error, Executor, IterState, Jacobian, Operator, State};
 use argmin::solver::gaussnewton::GaussNewton;

@@ -1,4 +1,4 @@
-//! Operating points for the benchmarks: the committed case of Lin, random cases, and tables of
+//! Operating points for the benchmarks: Lin's case from the repository, random cases, and tables of
 //! points.
 
 use bsm_batch::{Chunk, Columns, CsvSource, Source, TableFormat};

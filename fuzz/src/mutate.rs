@@ -3,8 +3,8 @@
 use bsm_case::{CATALOG, INPUTS, OUTPUTS, REQUIREMENT_INPUTS};
 use rand::{Rng, RngExt};
 
-/// Numbers at or beyond the limits of values that can be parsed, can be calculated with, or have a
-/// physical meaning.
+/// Numbers near or beyond the limits of the parsers, of floating-point arithmetic, and of
+/// physically meaningful values.
 const NUMBERS: [&str; 40] = [
     "0",
     "-0",
@@ -119,7 +119,7 @@ fn mutate_binary(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
     match rng.random_range(0..6) {
         0 => bytes[at] = rng.random(),
         1 => bytes[at] ^= 1 << rng.random_range(0..8),
-        // These bytes encode the largest 32-bit integer of variable length.
+        // These bytes are the variable-length encoding of the largest 32-bit integer.
         2 => put(bytes, at, at + 1, &[0xff, 0xff, 0xff, 0xff, 0x0f]),
         3 => put(bytes, at, at + 1, &[]),
         4 => bytes.truncate(at),

@@ -31,7 +31,7 @@ pub(crate) fn everything(case: &Case) {
         }
         for output in OUTPUTS {
             let Some(number) = record.value(output) else { continue };
-            assert!(number.is_finite(), "{name}: {} = {number} of {case:?}", output.name);
+            assert!(number.is_finite(), "{name}: {} is {number} for {case:?}", output.name);
         }
         let _ = Sensitivities::of(case, &settings).map(|inputs| inputs.solve(work));
         for analysis in [slip(case, &settings, &solution), jam(case, &solution)] {

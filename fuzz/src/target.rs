@@ -80,7 +80,8 @@ impl Target {
         let time = start.elapsed();
         assert!(time < TIME_LIMIT, "{} took {time:?}", self.name);
         let most = MEMORY + MEMORY_PER_BYTE * input.len() as u64;
-        assert!(memory < most, "{} took {memory} bytes for {}", self.name, input.len());
+        let (name, size) = (self.name, input.len());
+        assert!(memory < most, "{name} needs {memory} bytes for an input of {size} bytes");
     }
 
     /// Returns the names and contents of all files in the corpus of the target, including the

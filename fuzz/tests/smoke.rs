@@ -16,7 +16,7 @@ use rand_chacha::ChaCha8Rng;
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// Runs a target with its corpus and with random mutations of the corpus. If an input fails, the
-/// panic message names it.
+/// panic message states which input.
 fn smoke(name: &'static str, mutations: usize) {
     let target = Target::named(name).expect("a target");
     let (done, heard) = channel();

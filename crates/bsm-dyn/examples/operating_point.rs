@@ -1,5 +1,6 @@
 //! Solves one operating point of a feed drive in SI units with three models of increasing detail,
-//! and prints efficiency and losses: `cargo run --release --example operating_point`.
+//! and prints efficiency and losses. Run the example with
+//! `cargo run --release --example operating_point`.
 
 use std::f64::consts::PI;
 use std::io::{Error, Write as _, stdout};

@@ -106,9 +106,9 @@ mod tests {
         [counts[POINTS / 2], counts[POINTS * 99 / 100]]
     }
 
-    /// An earlier version tried continuation before Newton's method. Solving the model `elastic`
-    /// then took three times as long, but no test failed. The bounds below are 1.5 times the
-    /// measured median and 99 % quantile, which the comments state in brackets.
+    /// This test detects changes that make a model slower without changing its results, for example
+    /// if continuation is tried before Newton's method. The bounds are 1.5 times the measured
+    /// median and the measured 99 % quantile, which the comments state in brackets.
     #[test]
     fn numbers_of_function_evaluations_of_each_model_stay_within_bounds() {
         let mut violations = Vec::new();

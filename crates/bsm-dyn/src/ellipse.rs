@@ -195,8 +195,9 @@ impl<D: Scalar> Patch<D> {
 /// Scalar types for which friction can be integrated over the contact ellipses. `P` is the type of
 /// the constants.
 ///
-/// The default implementation is [`Patch::integrate`], which is exact but slow. Plain numbers and
-/// jets of numbers use vectorized sums, which are faster.
+/// The default implementations of the methods call [`Patch::integrate`], which provides all
+/// derivatives but is slow. Plain numbers and jets of numbers use vectorized sums, which are
+/// faster.
 pub(crate) trait Integrate<P: Scalar>: Over<P> {
     /// Returns friction and friction power at two contacts with a constant friction coefficient,
     /// divided by `$f Q$`. The vectorized sums do not include the derivatives of the power.
@@ -500,8 +501,8 @@ mod tests {
         let motion = Motion { precession: 3.0, omega: Vector3::zeros() };
         let (wrench, power) = ellipse.friction(&motion, 0.02, &FallingFriction, 1e-9, &quadrature);
         let full = (0.1 - 0.08 * 0.75) * 130.0;
-        // Near the rim, the pressure decreases like a square root, which limits the accuracy to
-        // 3e-6.
+        // Near the rim, the pressure decreases like the square root of the distance from the rim,
+        // which limits the accuracy to 3e-6.
         assert_relative_eq!(wrench.force, Vector3::new(-full, 0.0, 0.0), max_relative = 1e-5);
         assert_relative_eq!(power, full * 0.06, max_relative = 1e-5);
     }

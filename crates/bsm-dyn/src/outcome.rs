@@ -152,8 +152,8 @@ pub enum Reason {
         nearest: f64,
     },
     /// A contact angle is not between 0 and 90 degrees. With the status `no_solution`, the angles
-    /// are either those of the first root, or those at the end of a path without any root whose
-    /// angles are both in this range. No other root is known.
+    /// belong either to the first root or to the end of a path on which no root has both angles in
+    /// this range. No other root is known.
     BallLeavesFlank {
         /// Contact angle at the nut \[rad\].
         nut: f64,
@@ -201,8 +201,8 @@ pub enum Reason {
     /// The ball does not orbit around the axis (`$P = 0$`), so no gyroscopic moment balances the
     /// friction couple.
     BallDoesNotCircle,
-    /// The inertia ratio `$m r_m W^2/F_a$` is below 1e-100 or above 1e28, so the forces cannot be
-    /// balanced in double precision.
+    /// The inertia ratio `$m r_m W^2/F_a$` is too small or too large to balance the forces in double
+    /// precision. This reason is always given below 1e-100 and above 1e28.
     InertiaOutOfRange {
         /// Inertia ratio at the operating point.
         inertia_ratio: f64,
@@ -295,7 +295,9 @@ impl fmt::Display for Reason {
                 "the ball slides only at inertia ratios from {least:.3e} to {most:.3e}, but the inertia ratio is \
                  {inertia:.3e}"
             ),
-            Self::SearchLost => write!(f, "the search neither found a root nor excluded one"),
+            Self::SearchLost => {
+                write!(f, "the search found no root, but could not exclude that a root exists")
+            }
             Self::CurvaturesNotHertzian { longitudinal, transverse } => write!(
                 f,
                 "the curvatures {longitudinal:e} and {transverse:e} 1/m do not give a contact ellipse with its long axis \
@@ -306,7 +308,7 @@ impl fmt::Display for Reason {
             }
             Self::InertiaOutOfRange { inertia_ratio } => write!(
                 f,
-                "the inertia ratio {inertia_ratio:e} is outside the range of double precision"
+                "the inertia ratio {inertia_ratio:e} is too small or too large to balance the forces in double precision"
             ),
             Self::Frictionless => {
                 write!(f, "friction is zero, so the rotation of the ball is undetermined")
@@ -322,7 +324,8 @@ impl fmt::Display for Reason {
             Self::LubricantRunsAway { hottest } => {
                 write!(
                     f,
-                    "the lubricant heats up to more than {hottest:.1} K, because the power losses exceed the cooling at every temperature"
+                    "the lubricant heats up to more than {hottest:.1} K, because the power losses \
+                     exceed the cooling at all temperatures up to this limit"
                 )
             }
             Self::Refused { error } => error.fmt(f),

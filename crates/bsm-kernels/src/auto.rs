@@ -139,7 +139,7 @@ impl AutoRows<'_, '_> {
     }
 }
 
-/// A row for which the raceway-control model predicts a rolling ball.
+/// A row that has been solved with the raceway-control model, which assumes rolling balls.
 struct RollingRow {
     row: usize,
     /// Relative speed between screw and nut, `$W$`.

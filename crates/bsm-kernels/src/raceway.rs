@@ -82,8 +82,8 @@ pub(super) struct RacewayNumbers<S: Simd> {
     pub(super) skid: [Lane<S>; 2],
     /// Cotangents of the contact angles at nut and screw.
     pub(super) cotangents: [Lane<S>; 2],
-    /// Mask of the points for which a solution was found, and mask of the points for which the
-    /// solution is the only one.
+    /// Masks of the points for which a solution was found (`found`) and for which this solution is
+    /// the only one (`unique`).
     pub(super) found: Mask<S>,
     pub(super) unique: Mask<S>,
 }

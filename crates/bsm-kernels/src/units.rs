@@ -1,4 +1,4 @@
-//! Units in which the vectorized equations are dimensionless: ball radius, axial load per ball, and
+//! Units that make the vectorized equations dimensionless: ball radius, axial load per ball, and
 //! relative speed.
 
 use bsm_case::InputKey;

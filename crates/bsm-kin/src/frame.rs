@@ -9,11 +9,11 @@ use crate::Scalar;
 /// Right-handed triad `(t, n', b')` at the ball center. It is the Frenet-Serret triad, rotated
 /// about the tangent `t` by the angle `$\zeta$`.
 ///
-/// For `$\zeta = 0$`, it is the triad `(t, n, b)` itself. If `$\zeta$` equals a contact angle, the
-/// normals of the loaded contacts are parallel to the second axis, so the cross products of the
-/// normals are exactly zero, without rounding errors. Small terms of the force and moment balance
-/// are then not lost among large terms. All vectors of a calculation have components in the same
-/// triad.
+/// For `$\zeta = 0$`, the rotated triad is the triad `(t, n, b)` itself. If `$\zeta$` equals a
+/// contact angle, the normals of the loaded contacts are parallel to the second axis, so the cross
+/// products of the normals are exactly zero, without rounding errors. Small terms of the force and
+/// moment balance are then not lost among large terms. All vectors in a calculation must have
+/// components in the same triad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallFrame<D> {
     /// Angle `$\zeta$` between `n` and the second axis, positive from `n` toward `b` \[rad\].

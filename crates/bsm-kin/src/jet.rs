@@ -28,7 +28,8 @@ impl<const N: usize, F: Real> Jet<N, F> {
         Self { re, eps: [re.constant(0.0); N] }
     }
 
-    /// Creates a value that depends only on variable `i`, with the given derivative.
+    /// Creates a value that depends only on variable `i` and has the derivative `rate` with respect
+    /// to this variable.
     #[inline(always)]
     pub fn along(re: F, i: usize, rate: F) -> Self {
         let mut variable = Self::fixed(re);

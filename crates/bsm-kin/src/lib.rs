@@ -1,9 +1,9 @@
 //! Kinematics of the balls in a ball screw: helix, reference frames, contact points, slip and spin.
 //!
-//! All quantities are in SI units and radians. Every formula is generic over [`Scalar`], so that
-//! the same code calculates values and exact derivatives. The crate does not deal with forces,
-//! iterations or files. The formulas hold in any consistent system of units. The models of
-//! `bsm-dyn` divide lengths by the ball radius and speeds by the relative speed.
+//! Inputs and results are in SI units and radians, but the formulas hold in any consistent system
+//! of units. For example, the models of `bsm-dyn` divide lengths by the ball radius and speeds by
+//! the relative speed. Every formula is generic over [`Scalar`], so that the same code calculates
+//! values and exact derivatives. The crate does not deal with forces, iterations or files.
 //!
 //! Theory: `docs/theory/01-kinematics.md`, equations (K1) to (K15).
 

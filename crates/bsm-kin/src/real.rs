@@ -50,7 +50,7 @@ pub trait Real:
     /// Returns the reciprocal.
     #[must_use]
     fn recip(self) -> Self;
-    /// Returns the exponential function.
+    /// Returns `e` raised to the power of `self`.
     #[must_use]
     fn exp(self) -> Self;
     /// Returns the natural logarithm. All numbers in a SIMD vector must be positive and normal.

@@ -4,7 +4,7 @@
 ///
 /// The standard library's cube root is correctly rounded, but takes five times as long.
 ///
-/// Source: the `cbrt` of FreeBSD, after Kahan and Bergman.
+/// Source: function `cbrt` of FreeBSD's C library, after Kahan and Bergman.
 #[inline]
 pub(crate) fn cube_root(x: f64) -> f64 {
     /// Coefficients of a polynomial that approximates the reciprocal cube root near 1 to within
@@ -25,7 +25,7 @@ pub(crate) fn cube_root(x: f64) -> f64 {
     let guess = f64::from_bits(high << 32).copysign(x);
     let r = guess * guess * (guess / x);
     let better = guess * ((P[0] + r * (P[1] + r * P[2])) + (r * r * r) * (P[3] + r * P[4]));
-    // The guess is rounded to 23 bits so that its square is exact.
+    // The improved guess is rounded to 23 bits so that its square is exact.
     let t = f64::from_bits((better.to_bits() + 0x8000_0000) & 0xffff_ffff_c000_0000);
     let r = x / (t * t);
     t + t * ((r - t) / (t + t + r))

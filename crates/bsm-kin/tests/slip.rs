@@ -52,7 +52,7 @@ fn slip_matches_the_published_components() {
     assert_relative_eq!(y, expected, max_relative = 1e-12);
 }
 
-/// A ball that moves rigidly with a body does not slip on this body, for any helix.
+/// A ball that moves rigidly with a body does not slip on this body.
 #[test]
 fn a_ball_fixed_to_a_body_does_not_slip_on_it() {
     let helix = Helix { radius: 20e-3, lead_angle: 0.2 };
@@ -107,8 +107,8 @@ proptest! {
                 .slip_velocity(d, &contact.point(4.37e-3));
             prop_assert!((v_shifted - v).norm() <= 1e-12 * scale);
 
-            // The slip velocity is tangential at the contact, because N is perpendicular to t on
-            // the helix as well as on a circle.
+            // The slip velocity is tangential at the contact, because the contact normal N is
+            // perpendicular to the tangent t of the helix.
             prop_assert!(v.dot(&contact.normal).abs() <= 1e-13 * scale);
         }
     }

@@ -27,19 +27,19 @@ impl From<(f64, f64)> for FunctionValue {
 ///
 /// The method [`root`](Self::root) has these properties for any function:
 ///
-/// * **Bounded**: it evaluates the function at most [`MAX_EVALUATIONS`](Self::MAX_EVALUATIONS)
-///   times (N13). A smooth function requires six to ten evaluations, or two or three if derivatives
-///   and a good starting point are available.
+/// * **Bounded**: the method evaluates the function at most
+///   [`MAX_EVALUATIONS`](Self::MAX_EVALUATIONS) times (N13). A smooth function requires six to ten
+///   evaluations, or two or three if derivatives and a good starting point are available.
 /// * **Guarded**: every new point lies strictly between the ends, and the values at the ends always
 ///   have opposite signs. If interpolation does not shrink the bracket fast enough, the bracket is
 ///   bisected, either by length or by the number of doubles that it contains. The second variant
 ///   handles roots near zero and brackets that span hundreds of orders of magnitude.
 /// * **Exact at the ends**: if the function value at an end of the bracket is zero, this end is
 ///   returned without any evaluation.
-/// * **Finds any sign change**: if there are several roots, it finds one of them. It also finds
-///   jumps and poles, for which [`Root::value`] is not small. To search for the transition of a
-///   predicate, use a function with the values 1 and -1; [`Root::ends`] then encloses the
-///   transition.
+/// * **Finds any sign change**: if there are several roots, the method finds one of them. The
+///   method also finds jumps and poles, for which [`Root::value`] is not small. To search for the
+///   transition of a predicate, use a function with the values 1 and -1; [`Root::ends`] then
+///   encloses the transition.
 /// * **Stops at NaN**: a NaN ends the search with [`RootResult::NotFinite`], so functions can
 ///   return NaN to signal a failure. Infinite values are allowed because they have a sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +49,7 @@ pub struct Bracket {
     /// Function values at the ends. If only the sign of a value is known, use infinity with this
     /// sign.
     pub values: [f64; 2],
-    /// First point to evaluate. Defaults to the zero of the straight line through both ends.
+    /// First point to evaluate. Defaults to the root of the linear interpolation between both ends.
     pub start: Option<f64>,
     /// Relative tolerance of the root. The search ends when the width of the bracket or a Newton
     /// step is at most `x_tol` times the root. If the tolerance is zero, the search ends when there
@@ -90,7 +90,7 @@ pub struct Root {
     pub value: f64,
     /// Ends of the final bracket, in the same order as the initial ends.
     pub ends: [f64; 2],
-    /// Function values at the ends.
+    /// Function values at the ends of the final bracket.
     pub values: [f64; 2],
     /// Number of function evaluations.
     pub evaluations: usize,
@@ -191,8 +191,8 @@ impl Bracket {
         if (values[0] > 0.0) == (values[1] > 0.0) {
             return RootResult::NoSignChange { values };
         }
-        // Index of the bracket end that was moved last, the point that it replaced, and the
-        // derivative at its new position.
+        // These variables are the index of the bracket end that was moved last, the point that this
+        // end replaced, and the derivative at the new position of the end.
         let (mut newest, mut old, mut slope) = (0, None::<(f64, f64)>, None::<f64>);
         let mut start = self.start;
         let (mut length, mut doubles) = (StallDetector::new(2), StallDetector::new(3));
@@ -223,8 +223,8 @@ impl Bracket {
             } else {
                 newton.unwrap_or_else(|| {
                     // The next point keeps a minimum distance from both ends of the bracket. If one
-                    // end is already close to the root, a point beyond the root moves the other
-                    // end.
+                    // end is already close to the root, the next point then lies beyond the root
+                    // and replaces the other end.
                     let rounding = 0.5 * tolerance.max(2.0 * f64::EPSILON * best.0.abs());
                     let least = (rounding / (other - x).abs()).min(0.5);
                     let fraction = interpolated_fraction((x, value), (other, opposite), old);

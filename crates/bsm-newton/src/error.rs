@@ -4,7 +4,7 @@ use thiserror::Error;
 
 /// Error returned if a model cannot be evaluated at a point `x`.
 ///
-/// After a shorter step, the evaluation may succeed.
+/// If the solver takes a shorter step, the evaluation may succeed.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error("{quantity} = {value:e} is outside the model's domain: {requirement}")]
 pub struct EvalError {

@@ -16,7 +16,7 @@
 //! during an iteration, and reports every failure in its return value. No other crate depends
 //! directly on faer.
 //!
-//! Theory: `docs/theory/05-newton.md`, (N1) to (N15).
+//! Theory: `docs/theory/05-newton.md`, (N1) to (N17).
 //!
 //! This example calculates an intersection of the circle `$x^2 + y^2 = 2$` and the line `$x = y$`:
 //!

@@ -2,7 +2,8 @@
 //! systems.
 //!
 //! Small pivots are not an error, because the effect of one unknown may be a hundred million times
-//! smaller than the effects of the others. The residual shows whether a solution is accurate.
+//! smaller than the effects of the other unknowns. The residual shows whether a solution is
+//! accurate.
 
 mod bordered;
 mod dense;

@@ -76,7 +76,7 @@ impl Convergence {
             let max_steps = Progress::Ended(Termination::MaxSteps);
             return if is_exhausted { max_steps } else { Progress::Iterating };
         }
-        // ‖D_F F(x_k)‖₂ ≤ residual_goal, or the last step did not halve it  (N2)
+        // ‖D_F F(x_k)‖₂ ≤ residual_goal, or the last step did not halve the residual (N2)
         let is_refined = residual <= self.residual_goal
             || previous.is_some_and(|previous| residual > Self::MAX_REFINING_RATIO * previous);
         let converged = Progress::Ended(Termination::Converged);
@@ -128,7 +128,7 @@ pub enum JacobianUpdate {
     EveryTrial {
         /// Scaled residual below which the chord method is used. Trial points are then evaluated
         /// without the Jacobian, and steps use the latest LU factors as long as each step reduces
-        /// the residual to at most one tenth. Zero disables the chord method.
+        /// the residual to at most one tenth of its previous value. Zero disables the chord method.
         chord_below: f64,
     },
 }

@@ -437,7 +437,7 @@ where
 /// Returns true if an event function may have two more zeros within a step than the signs of its
 /// values indicate (N14). The arguments are the values and slopes at both ends of the step.
 fn may_miss_pair([from, to]: [(f64, f64); 2], length: f64) -> bool {
-    // g₀, g₀ + r h g₀'/3, g₁ − r h g₁'/3, g₁ change their sign at most once  (N14)
+    // The sequence g₀, g₀ + r h g₀'/3, g₁ − r h g₁'/3, g₁ changes sign at most once (N14)
     let inner =
         |(value, slope): (f64, f64), sign: f64| value + sign * SAFETY * length * slope / 3.0;
     let corners = [from.0, inner(from, 1.0), inner(to, -1.0), to.0];

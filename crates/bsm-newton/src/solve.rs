@@ -72,8 +72,8 @@ impl<const N: usize> Workspace<N> {
     /// Returns the direction of the curve that is defined by all equations except the last one
     /// (N8). Returns `None` if the Jacobian is singular.
     ///
-    /// The last equation must define a plane that intersects the curve. The Jacobian is from the
-    /// last call of [`linearize`](Self::linearize) or [`solve`].
+    /// The last equation must define a plane that intersects the curve. The method uses the
+    /// Jacobian from the last call of [`linearize`](Self::linearize) or [`solve`].
     pub(crate) fn direction(&mut self) -> Option<[f64; N]> {
         self.ensure_factors().ok()?;
         // D_F J t = sgn(det J) e_N                                        (N8)
@@ -129,8 +129,8 @@ impl<const N: usize, E: Equations<N> + ?Sized> Outcome<N, E> {
     }
 }
 
-/// Solves a small system `$F(x) = 0$` by damped Newton steps with step `$\delta x$` and damping
-/// factor `$\lambda$`.
+/// Solves a small system `$F(x) = 0$` by a damped Newton iteration with Newton steps `$\delta x_k$`
+/// and damping factors `$\lambda_k$`.
 ///
 /// ```math
 /// J(x_k)\,\delta x_k = -F(x_k), \qquad x_{k+1} = x_k + \lambda_k\,\delta x_k
@@ -288,7 +288,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
     ) -> Option<(f64, [f64; N], Evaluated<N, E>)> {
         let mut lambda = self.equations.max_step_length(x, dx);
         for _ in 0..=damping.max_halvings {
-            // R(λ δx_k), R(0) = x_k, R'(0) = δx_k                          (N15)
+            // The trial point is R(λ δx_k), with R(0) = x_k and R'(0) = δx_k (N15)
             let trial = self.equations.retract(x, dx, lambda);
             if let Ok(there) = self.evaluate(&trial, with_jacobian) {
                 let (after, _) = scaled_norm(&there.0, &self.work.d_f);

@@ -62,7 +62,7 @@ pub(crate) struct Assembly<'a> {
     bodies: Vec<Spring>,
     guides: Vec<Spring>,
     rings: usize,
-    /// Whether each unknown is fixed, for each [`StiffnessScope`].
+    /// For each [`StiffnessScope`], flags that are true for fixed unknowns.
     fixed: [Vec<bool>; 2],
     pub(crate) matrix: BorderedMatrix<2>,
 }
@@ -94,7 +94,7 @@ impl<'a> Assembly<'a> {
             nodes.sort_by(f64::total_cmp);
         }
         let length = nodes.last().zip(nodes.first()).map_or(0.0, |(last, first)| last - first);
-        // Balls on different threads may have the same axial position. They share a node.
+        // Balls on different threads may have the same axial position. Such balls share a node.
         nodes.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * length);
         let first = 2 * nodes.len();
         let (mut bodies, mut guides) = (Vec::new(), Vec::new());

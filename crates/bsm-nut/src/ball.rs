@@ -226,7 +226,7 @@ impl ContactForce {
         }
         // Q = K δ^(3/2),  V = ⅖ K δ^(5/2)                                 (U9)
         let load = grooves.load(contact, approach);
-        // 3/2 K √δ m mᵀ + (Q/l)(1 − m mᵀ)                                 (U12)
+        // Stiffness of the contact: 3/2 K √δ m mᵀ + (Q/l)(1 − m mᵀ)       (U12)
         let (along, turning) = (1.5 * load / approach, load / length);
         let entry = |i: usize, k: usize| {
             (along - turning) * m[i] * m[k] + if i == k { turning } else { 0.0 }
@@ -250,7 +250,7 @@ struct BallEnergy {
 
 impl BallEnergy {
     fn of(contacts: &[Option<ContactForce>; 4], outward: f64, x: Vector2<f64>) -> Self {
-        // U = Σ ⅖ K δ^(5/2) + F_c x_n; the force points along −n          (U9)
+        // U = Σ ⅖ K δ^(5/2) + F_c x_n; the centrifugal force points along −n (U9)
         let mut all = Self {
             contacts: *contacts,
             energy: outward * x[1],
@@ -290,14 +290,14 @@ impl BallEnergy {
         for (c, touching) in self.contacts.iter().enumerate() {
             let Some(touching) = touching else { continue };
             if c < 2 {
-                // dV/dw = Σ over the nut's contacts of Q m                (U11)
+                // dV/dw = Σ Q m, summed over the contacts at the nut      (U11)
                 force += touching.m * touching.load;
                 nut += touching.slope;
             } else {
                 screw += touching.slope;
             }
         }
-        // U_ww − U_wx U_xx⁻¹ U_xw = A (A + B)⁻¹ B, without a difference  (U12)
+        // U_ww − U_wx U_xx⁻¹ U_xw = A (A + B)⁻¹ B, which avoids the subtraction (U12)
         let slope = inverse(self.slope).map_or([[0.0; 2]; 2], |inverse| {
             let product = nut * inverse * screw;
             let across = 0.5 * (product[(0, 1)] + product[(1, 0)]);
@@ -306,7 +306,7 @@ impl BallEnergy {
         let load = |touching: &Option<ContactForce>| touching.as_ref().map_or(0.0, |t| t.load);
         let angles = from_fn(|c| {
             let m = self.contacts[c].map_or(Vector2::y(), |t| t.m);
-            // atan2(±m_b, m_n) at the nut, of −m at the screw             (U8)
+            // β = atan2(±m_b, m_n) at the nut; at the screw, m is replaced by −m (U8)
             let outwards = SIGNS[c / 2];
             (outwards * SIGNS[c % 2] * m[0]).atan2(outwards * m[1])
         });

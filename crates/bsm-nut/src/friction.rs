@@ -1,6 +1,7 @@
 //! Friction of all balls of a nut. Loads and groove displacements differ from ball to ball.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U21), (U30) and (U32), and `docs/theory/22-third-contact.md`.
+//! Theory: `docs/theory/16-nut.md`, equations (U21), (U30), (U32) and (U33), and
+//! `docs/theory/22-third-contact.md`.
 
 use std::cell::Cell;
 
@@ -65,8 +66,8 @@ pub struct ThirdContacts {
 pub struct FreeMotion {
     /// Precession rate relative to the nut, divided by the relative speed, `$(P - \Omega_n)/W$`.
     pub rate: f64,
-    /// Rotational speed of the ball across the groove, relative to the neighboring balls in the
-    /// train (O1) \[rad/s\].
+    /// Angular speed of the ball without its component along the groove, relative to the
+    /// neighboring balls in the train (O1) \[rad/s\].
     pub rotation: f64,
     /// State of the ball, if the ball has exactly two contacts.
     pub ball: Option<BallState>,
@@ -721,8 +722,8 @@ impl BallNut {
             // Chebyshev point reduces the error.
             let most = count(group.len());
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
-            // At the load at which a far flank begins to carry load, the friction has a kink and is
-            // not interpolated.
+            // The friction of balls that may touch their far flanks is not interpolated, because it
+            // has a kink at the load at which a far flank begins to carry load.
             let bends = group.iter().any(|n| self.play(*n, found).is_some());
             if low <= inertia || points >= most || bends {
                 for number in group {
@@ -870,8 +871,8 @@ impl BallNut {
     /// Returns true if two balls have equal loads, contact angles and oversizes, except for
     /// rounding errors.
     pub(crate) fn alike(&self, found: &Equilibrium, one: usize, other: usize) -> bool {
-        /// Relative difference between two loads or contact angles, up to which they count as
-        /// equal. The residual of the nut equilibrium is 1e-12 relative to the loads.
+        /// Largest relative difference between two loads or contact angles that count as equal. The
+        /// residual of the nut equilibrium is 1e-12 relative to the loads.
         const SAME: f64 = 1e-10;
         let near = |[a, b]: [f64; 2]| (a - b).abs() <= SAME * a.abs();
         let [a, b] = [one, other].map(|number| &found.balls[number]);

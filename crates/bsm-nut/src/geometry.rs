@@ -1,6 +1,6 @@
 //! Geometry of a nut: positions of the balls, and manufacturing errors of balls and grooves.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U7) and (U31).
+//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U7), (U31) and (U35).
 
 use std::f64::consts::TAU;
 
@@ -148,9 +148,9 @@ impl BallNut {
         self.circuits.iter().enumerate().flat_map(of).collect()
     }
 
-    /// Returns the nut after its bodies and balls have become warmer than at assembly. In a nut
-    /// with play, the expansion of the balls first reduces the play. The balls press against both
-    /// flanks only after the play is closed.
+    /// Returns the nut after thermal expansion of its bodies and balls. In a nut with play, the
+    /// expansion of the balls first reduces the play. The balls press against both flanks only
+    /// after the play is closed.
     ///
     /// * `rises`: temperature rises of nut, screw and balls above the assembly temperature \[K\].
     /// * `expansion`: coefficient of thermal expansion \[1/K\].

@@ -2,7 +2,7 @@
 //! and life (all static and without friction), friction torques, ball trains, and the temperatures
 //! in the warm steady state.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U34).
+//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U35).
 //!
 //! Theory of the warm state: `docs/theory/19-warm-state.md`, implemented in the module [`thermal`].
 //!

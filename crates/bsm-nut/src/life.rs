@@ -30,7 +30,7 @@ impl Equilibrium {
 
     /// Returns the largest contact load divided by the mean ball load (U25).
     pub fn concentration(&self) -> f64 {
-        // max Q / mean Q                                                  (U25)
+        // Load concentration: max Q / mean Q                              (U25)
         self.max_load() / self.mean_load()
     }
 

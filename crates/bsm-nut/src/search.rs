@@ -13,14 +13,14 @@ use crate::{BallInGrooves, BallNut};
 /// Maximum number of Newton steps. Ten steps are usually sufficient.
 const MAX_EQUILIBRIUM_STEPS: usize = 100;
 
-/// Residual force, divided by the sum of the absolute values of all forces, up to which the forces
-/// count as balanced (dimensionless).
+/// Largest residual force, divided by the sum of the absolute values of all forces, at which the
+/// forces count as balanced (dimensionless).
 const RESIDUAL_TOLERANCE: f64 = 1e-12;
 
-/// Number of Newton steps after which a larger residual is accepted, and this larger residual
-/// (relative to the sum of all forces). The larger residual is needed if the bodies are stretched
-/// by millimeters, because the rounding errors of such displacements are not negligible compared
-/// with the elastic approaches of the balls.
+/// Number of Newton steps after which a larger residual is accepted, and the limit for this
+/// residual (relative to the sum of all forces). The larger residual is needed if the bodies are
+/// stretched by millimeters, because the rounding errors of such displacements are not negligible
+/// compared with the elastic approaches of the balls.
 const ROUNDED: (usize, f64) = (30, 1e-10);
 
 /// Unknowns and the corresponding state of the nut.

@@ -86,7 +86,8 @@ impl BallNut {
         };
         let length = span(&mut positions.iter().map(|position| position.z));
         let compliance = |bar: Option<Bar>| bar.map_or(0.0, |bar| bar.stiffness.recip());
-        // D = max − min of o + e + 2Δr/(sinβ₀ cosα), and D_bars ≤ F l (1/EA_n + 1/EA_s)  (U27)
+        // D is the difference between the maximum and the minimum of o + e + 2Δr/(sinβ₀ cosα), and
+        // D_bars ≤ F l (1/EA_n + 1/EA_s)                                  (U27)
         let bars = compliance(self.nut_bar) + compliance(self.screw_bar);
         let spread = span(&mut shifts.into_iter()) + axial.abs() * length * bars;
         let along = (equal.displacement.abs() + spread) * alpha.cos();

@@ -19,7 +19,8 @@ impl Equilibrium {
             if matches!(support.0[i], Freedom::Held(_)) || k[i][i] <= 1e-12 * usual {
                 continue;
             }
-            // Degree of freedom i is eliminated from the stiffness matrix by k_ab − k_ai k_ib/k_ii.
+            // The entries k_ab of the stiffness matrix are replaced by k_ab − k_ai k_ib/k_ii, which
+            // eliminates degree of freedom i.
             let (row, pivot) = (k[i], k[i][i]);
             for line in &mut k {
                 let share = line[i] / pivot;

@@ -1,6 +1,6 @@
 //! Warm steady state of a nut: frictional heat, its effect on the preload, and the fold.
 //!
-//! Theory: `docs/theory/19-warm-state.md`, equations (I5) to (I21).
+//! Theory: `docs/theory/19-warm-state.md`, equations (I5) to (I22).
 //!
 //! A [`Network`] conducts heat between the five nodes of a [`ThermalAxis`]. A [`WarmNut`] generates
 //! heat, which depends on the temperatures of the nodes. [`WarmNut::steady`] calculates the

@@ -17,8 +17,8 @@ use bsm_newton::{Bracket, FunctionValue};
 use crate::geometry::count;
 use crate::{BallNut, Equilibrium, FreeMotion};
 
-/// Largest ratio of push force to mean ball load at which the influence of push forces on ball
-/// loads and contact angles is still neglected.
+/// Largest ratio of push force to ball load at which the influence of push forces on ball loads and
+/// contact angles is still neglected.
 pub const MAX_PUSH_RATIO: f64 = 0.03;
 
 /// Ball advance: the motion of balls that do not touch, relative to a cage that turns at constant
@@ -476,7 +476,7 @@ impl CircuitState {
 }
 
 /// Permitted relative change of the push force at the entry between two passes around the circuit.
-/// If the change is smaller, the passes end.
+/// The iteration ends if the change is smaller.
 const ENTRY_TOLERANCE: f64 = 1e-9;
 /// Maximum number of passes around a circuit. If at least one ball is not pushed from behind, two
 /// passes are sufficient, because the state of this ball does not depend on the balls behind it.
@@ -829,7 +829,8 @@ impl Flow<'_> {
         }
         for pair in pass.states.windows(2) {
             let [behind, ahead] = [pair[0].rate, pair[1].rate].map(|rate| self.speed_of(rate));
-            // Σ f_b r_b (N_f + N_b)|w| + Σ F_i v, N_x v_Z − N_e v_1, Σ N (v_behind − v_ahead)   (O16)
+            // Between balls: Σ f_b r_b (N_f + N_b)|w| + Σ F_i v; in the ball return: N_x v_Z − N_e
+            // v_1; where balls catch up: Σ N (v_behind − v_ahead) (O16)
             lost[3] += pair[0].pushes[0] * (behind - ahead);
         }
         let [first, last] = [pass.states.first(), pass.states.last()]
@@ -841,7 +842,7 @@ impl Flow<'_> {
     /// Returns the power loss of a ball that slides on both raceways without rotating \[W\].
     fn blocked(&self, ball: &TrainBall, rate: f64) -> f64 {
         let ([nut, screw], speed) = (ball.free().loads, self.speed_of(rate));
-        // f Q_A v + f Q_B (d|W| − v)                                      (O7)
+        // P = f Q_A v + f Q_B (d|W| − v)                                  (O7)
         ball.friction() * (nut * speed + screw * (self.speed_of(1.0) - speed))
     }
 
@@ -861,7 +862,7 @@ impl Flow<'_> {
             .states
             .iter()
             .map(|state| BallOfTrain {
-                // d (θ_c p_j/p_c − θ_c)                                   (O9)
+                // Gap: d (θ_c p_j/p_c − θ_c)                              (O9)
                 gap: self.pitch() * (state.rate / pass.rate - 1.0),
                 rolling: state.rolling,
                 rate: state.rate,

@@ -41,8 +41,9 @@ fn mantissa(x: f64) -> f64 {
 }
 
 impl<S: Simd, const N: usize> Lane<S, N> {
-    /// Returns the exponential function with an error of at most two units in the last place. The
-    /// numbers must be between -700 and 700; for other numbers, the result is meaningless.
+    /// Returns `e` raised to the power of each number, with an error of at most two units in the
+    /// last place. The numbers must be between -700 and 700; for other numbers, the result is
+    /// meaningless.
     #[inline(always)]
     #[must_use]
     pub fn exp(self) -> Self {

@@ -5,8 +5,9 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use bsm_kin::{Jet, Real, parts};
 use pulp::Simd;
 
-/// True where the instruction set has no fused operations. Their emulation would take several times
-/// as long as two operations, and the two roundings change results by about 1e-16.
+/// True if the target has no fused multiply-add instructions. Emulating them would take several
+/// times as long as a separate multiplication and addition. The additional rounding changes results
+/// by about 1e-16.
 const WITHOUT_FUSED_OPERATIONS: bool = cfg!(target_family = "wasm");
 
 /// A vector with one number for each of several points. It consists of `N` SIMD vectors of the

@@ -17,10 +17,11 @@ pub use lane::{Lane, Mask};
 pub use polynomial::polynomial;
 pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
-/// Number of values that are processed together, which is the width of the widest vectors.
+/// Number of values that are processed together, which is the number of values in the widest
+/// vectors.
 pub const BLOCK: usize = 8;
 
-/// Block with one number for each of [`BLOCK`] points.
+/// A block with one number for each of [`BLOCK`] points.
 pub type Block = [f64; BLOCK];
 
 /// Returns the short name of an instruction set.
@@ -54,7 +55,7 @@ pub fn for_few<S: Simd, W: WithSimd>(simd: S, code: W) -> W::Output {
 pub fn instruction_sets() -> Vec<Arch> {
     #[cfg_attr(
         not(target_arch = "x86_64"),
-        expect(unused_mut, reason = "other processors have one")
+        expect(unused_mut, reason = "other processors support one")
     )]
     let mut all = vec![Arch::Scalar];
     #[cfg(target_arch = "x86_64")]

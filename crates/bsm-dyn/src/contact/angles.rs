@@ -44,8 +44,8 @@ impl<D: Scalar> Angles<D> {
     ///
     /// Assumes: equal contact angles, saturated friction, and inertia forces that are small
     /// compared with the load. Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994),
-    /// Equations 14 and 17. Difference from the source: the square root ends before `$+
-    /// f\sin\beta$`; see `docs/theory/errata.md`.
+    /// Equations 14 and 17. Difference from the source: the square root does not include
+    /// `$+ f\sin\beta$`; see `docs/theory/errata.md`.
     pub fn efficiency(&self, direction: Direction, friction: D) -> D {
         self.sines().efficiency(direction.is_back(), friction)
     }
@@ -65,7 +65,8 @@ impl<D: Scalar> Angles<D> {
     ///   differs from it by π.
     ///
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Equation 11. Difference
-    /// from the source: the sign of friction in the numerator; see `docs/theory/errata.md`.
+    /// from the source: the sign of the friction term in the numerator; see
+    /// `docs/theory/errata.md`.
     pub fn efficiency_at(
         &self,
         direction: Direction,
@@ -129,8 +130,8 @@ impl Angles<f64> {
     /// Returns the friction coefficient above which the screw is self-locking in the given
     /// direction of the power flow (C6), (C7).
     pub fn locking_friction(&self, direction: Direction) -> f64 {
-        // f = sinβ/D                                                      (C6)
-        // f = D/sinβ                                                      (C7)
+        // Driving: f = sinβ/D                                             (C6)
+        // Back-driving: f = D/sinβ                                        (C7)
         let [outer, inner] = self.sines().by_direction(direction.is_back());
         outer / inner
     }
@@ -168,7 +169,7 @@ impl Angles<f64> {
     ) -> Option<f64> {
         let unit = contact_angle.sin() * friction.hypot(1.0);
         let term = if direction.is_back() { 1.0 } else { friction };
-        // cosα = f / (sinβ √(1+f²)) or 1 / (sinβ √(1+f²))                 (C20)
+        // cosα = f / (sinβ √(1+f²)), or 1 / (sinβ √(1+f²)) for back-driving (C20)
         (term <= unit).then(|| (term / unit).acos())
     }
 }
@@ -272,8 +273,8 @@ impl<D: Real> Sines<D> {
     /// Returns the efficiency (C2), (C3); see [`Angles::efficiency`].
     #[inline(always)]
     pub fn efficiency(&self, back: D::Mask, friction: D) -> D {
-        // η = 1 − f / {cos²α sinβ (D + f sinβ)}                           (C2)
-        // η = 1 − f / {cos²α (D sinβ + f D²)}                             (C3)
+        // Driving: η = 1 − f / {cos²α sinβ (D + f sinβ)}                  (C2)
+        // Back-driving: η = 1 − f / {cos²α (D sinβ + f D²)}               (C3)
         let [outer, inner] = self.by_direction(back);
         -(friction / (self.cos_a.square() * outer * (inner + friction * outer))) + 1.0
     }
@@ -306,8 +307,8 @@ impl<D: Real> Sines<D> {
     where
         D: Real,
     {
-        // sinβ ≤ f D                                                      (C6)
-        // D ≤ f sinβ                                                      (C7)
+        // Driving: sinβ ≤ f D                                             (C6)
+        // Back-driving: D ≤ f sinβ                                        (C7)
         let [outer, inner] = self.by_direction(back);
         outer.le(friction * inner)
     }

@@ -51,7 +51,7 @@ impl<D: Real> Ball<D> {
     /// by the axial load per ball, and speeds by the relative speed `$W$` (R1).
     #[inline(always)]
     pub fn scaled_mass(&self, relative_speed: D, load_per_ball: D) -> D {
-        // Lengths in r_b, forces in F_a, speeds in W: m r_b W²/F_a        (R1)
+        // Scaled mass: m r_b W²/F_a (R1)
         self.mass * self.radius * relative_speed * relative_speed / load_per_ball
     }
 }
@@ -122,9 +122,9 @@ pub(crate) fn newton_euler<D: Scalar>(
 ) -> Wrench<D> {
     let rate = motion.precession;
     Wrench {
-        // Σ F − m r_m P² n                                                (B4)
+        // Residual force: Σ F − m r_m P² n                                (B4)
         force: contacts.force - frame.n * (ball.mass * pitch_radius * rate.square()),
-        // Σ M − P k × (I ω)                                               (B5)
+        // Residual moment: Σ M − P k × (I ω)                              (B5)
         moment: contacts.moment - frame.k.cross(&motion.omega) * (ball.inertia() * rate),
     }
 }
@@ -194,7 +194,7 @@ impl<D: Real> Load<D> {
 /// * `back`: true if the load back-drives the screw.
 #[inline(always)]
 pub fn efficiency<F: Real>(back: F::Mask, ideal: F, torque: F) -> F {
-    // η = F_a r_m tanα / T  or  T / (F_a r_m tanα)                        (B8)
+    // η = F_a r_m tanα / T, or T / (F_a r_m tanα) for back-driving        (B8)
     F::select(back, torque, ideal) / F::select(back, ideal, torque)
 }
 
@@ -251,7 +251,7 @@ impl<F: Real> Power<F> {
     /// force balance.
     #[inline(always)]
     pub fn imbalance(&self, friction: F) -> F {
-        // (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)                (B10)
+        // Imbalance: (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)     (B10)
         let scale = self.input.abs().larger(self.output.abs()).larger(friction);
         (self.dissipated - friction) / scale
     }
@@ -278,8 +278,8 @@ mod tests {
         assert_relative_eq!(t, ideal_torque(140.0, r_m, alpha.tan()), max_relative = 1e-14);
     }
 
-    /// Input and output powers are positive for both directions of the power flow and for both
-    /// signs of the screw torque.
+    /// Input and output powers are positive for both directions of the power flow, which correspond
+    /// to positive and negative relative speeds.
     #[test]
     fn input_and_output_powers_are_positive() {
         let driving = Power::transmitted(1.2_f64, 1.0, 3.0);
@@ -293,7 +293,7 @@ mod tests {
         assert_relative_eq!(driven.imbalance(0.3), 0.1, max_relative = 1e-14);
     }
 
-    /// Hand calculation for a steel ball: 4/3 π 4³ mm³ × 7.8 mg/mm³ = 2.09 g.
+    /// A hand calculation for a steel ball gives a mass of 4/3 π 4³ mm³ × 7.8 mg/mm³ = 2.09 g.
     #[test]
     fn mass_and_inertia_match_a_hand_calculation() {
         let ball = Ball::of_density(4e-3, 7800.0);

@@ -71,8 +71,8 @@ impl<D: Real> Curvatures<D> {
 }
 
 impl Curvatures {
-    /// Returns the permanent approach \[m\] that remains after a load (H12). Under load, it is
-    /// added to the elastic approach.
+    /// Returns the permanent approach \[m\] that remains after a load is removed (H12). Under load,
+    /// it is added to the elastic approach.
     ///
     /// * `load`: normal load `$Q$` \[N\].
     /// * `ball_radius`: ball radius `$r_b$` \[m\].
@@ -94,8 +94,8 @@ impl<D: Real> Groove<D> {
         (self.conformity * 2.0 - 1.0) * ball_radius
     }
 
-    /// Returns the relative curvatures of ball and groove at first contact (H3) to (H6). Compared
-    /// with [`Self::curvatures`], the function takes the tangent of the lead angle and the cosine of
+    /// Returns the relative curvatures of ball and groove at first contact (H3) to (H6). Unlike
+    /// [`Self::curvatures`], this function takes the tangent of the lead angle and the cosine of
     /// the contact angle instead of the angles.
     #[inline(always)]
     pub fn curvatures_at(
@@ -135,7 +135,7 @@ impl<D: Scalar> Groove<D> {
     /// * `lead_angle`, `contact_angle`: lead angle `$\alpha$` and unloaded contact angle
     ///   `$\beta_0$` \[rad\].
     ///
-    /// Difference from bearing formulas: bearing formulas treat the helix as a circle and
+    /// Difference from bearing formulas: the helix is not treated as a circle, which would
     /// overestimate its curvature by the factor `$1/\cos^2\alpha$`.
     pub fn curvatures(
         &self,
@@ -296,8 +296,8 @@ impl<D: Real> Axes<D> {
     /// Solves (H7) for a curvature ratio. Also returns the equation evaluated at the root.
     #[inline(always)]
     fn solve(target: D, effort: Iterations) -> (Self, CurvatureEquation<D>) {
-        // Starting value: κ ≈ (ρ_t/ρ_x)^{5/8}, which is similar to the formula of Brewe and
-        // Hamrock. For a circle, κ = 1 is exact.
+        // The starting value is κ ≈ (ρ_t/ρ_x)^{5/8}, which is similar to the formula of Brewe and
+        // Hamrock. For a circle, it is exact: κ = 1.
         let mut q = (target * target.sqrt().sqrt()).sqrt().recip();
         for _ in 0..effort.steps {
             let at = CurvatureEquation::at(q, effort.agm_steps);
@@ -320,7 +320,7 @@ impl<D: Scalar> Axes<D> {
         let found = Arch::new().dispatch(SideBySide(targets.map(|target| target.re())));
         from_fn(|i| {
             let (Axes { flatness, k, e }, at) = found[i];
-            // d ln κ = d ln t / s: exact to first order in any scalar type    (V4)
+            // d ln κ = d ln t / s, which is exact to first order for any scalar type (V4)
             let t = targets[i].re();
             let moved = (targets[i] - D::from(t)) * (at.above() * at.below() / (at.slope() * t));
             // dK/d ln κ = K (1 − r)/2,  dE/d ln κ = −K q² (1 + r)/2       (H11)
@@ -343,7 +343,7 @@ impl<const N: usize> WithSimd for SideBySide<N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        const { assert!(N <= BLOCK, "one block") };
+        const { assert!(N <= BLOCK, "the number of contacts must not exceed the block size") };
         let mut targets = [1.0; BLOCK];
         targets[..N].copy_from_slice(&self.0);
         let is_practical = self.0.iter().all(|ratio| *ratio <= Axes::<f64>::MAX_PRACTICAL_RATIO);
@@ -416,7 +416,7 @@ impl<D: Real> CurvatureEquation<D> {
     /// of `$\kappa$`, multiplied by `$(1 + r)(1 - r)$`.
     #[inline(always)]
     fn slope(&self) -> D {
-        // (1 + r)(1 − 3r) + 2w, from the derivatives of K and E           (H11)
+        // Slope: (1 + r)(1 − 3r) + 2w, from the derivatives of K and E    (H11)
         self.above() * (self.r * -3.0 + 1.0) + self.w * 2.0
     }
 
@@ -452,8 +452,8 @@ mod tests {
         let nut = lin_contact(Raceway::Nut);
         assert_relative_eq!(nut.flatness.recip(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
-        // The reference states 1.88829920e-5. Its relative difference from the reference ratio a/κ
-        // is 2e-8.
+        // The reference states 1.88829920e-5 for this semi-axis. The quotient a/κ of the reference
+        // values differs from it by a relative amount of 2e-8, so the test uses the quotient.
         assert_relative_eq!(nut.semi_axes(1.0).1, 1.888_299_23e-5, max_relative = 1e-8);
         assert_relative_eq!(nut.stiffness(), 2.445_283_496_7e10, max_relative = 1e-10);
         let screw = lin_contact(Raceway::Screw);
@@ -557,7 +557,7 @@ mod tests {
         /// Derivatives with respect to the curvature along the track and the contact modulus agree
         /// with finite differences.
         #[test]
-        fn derivatives_match_finite_differences(log_ratio in 1e-3..9.0_f64) {
+        fn hertz_derivatives_match_finite_differences(log_ratio in 1e-3..9.0_f64) {
             let (transverse, modulus) = (13.0, 1.1e11);
             let longitudinal = transverse * log_ratio.exp();
             let jets = Curvatures { longitudinal: Jet::variable(longitudinal, 0), transverse: Jet::from(transverse) };

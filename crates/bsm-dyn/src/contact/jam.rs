@@ -50,14 +50,14 @@ impl<D: Scalar> Wedge<D> {
     /// Returns the force \[N\] that holds the ball in the wedge, which is the left side of (M8).
     pub fn holding(&self) -> D {
         let [a, b] = self.across();
-        // (F_XA + F_XB) cos(D/2) + F_c sin β                              (M8)
+        // Holding force: (F_XA + F_XB) cos(D/2) + F_c sin β               (M8)
         (a + b) * (self.opening() * 0.5).cos() + self.centrifugal * self.mean_angle().sin()
     }
 
     /// Returns the force \[N\] that pushes the ball out of the wedge, which is the right side of
     /// (M8). It is negative if the wedge opens outward.
     pub fn expelling(&self) -> D {
-        // (Q_A + Q_B) sin(D/2)                                            (M8)
+        // Expelling force: (Q_A + Q_B) sin(D/2)                           (M8)
         (self.loads[0] + self.loads[1]) * (self.opening() * 0.5).sin()
     }
 
@@ -168,8 +168,8 @@ pub fn linear_impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
     speed * (1.14 * stiffness * mass).sqrt()
 }
 
-/// A ball that enters the ball return over a step. The ball behind pushes it, and it pushes the
-/// ball ahead.
+/// A ball that enters the ball return over a step. The ball behind pushes this ball, and this ball
+/// pushes the ball ahead.
 ///
 /// Source: Dong et al. (2020), Equation 22.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -228,8 +228,8 @@ pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
     normal * 2.0 / ((friction + friction.recip()) * return_angle.cos())
 }
 
-/// Returns the force along the track with which friction drives the loaded balls of one turn
-/// against the ball ahead \[N\] (M16).
+/// Returns the friction force along the track \[N\] that pushes the loaded balls of one turn
+/// against the ball ahead (M16).
 ///
 /// * `balls`: number of balls per turn.
 /// * `friction`: friction coefficient `$f$`.
@@ -268,8 +268,8 @@ mod tests {
             let frame = BallFrame::turned(0.1, 0.0);
             let normal = |site, angle| Contact::new(site, angle, &frame).normal;
             let forces = normal(Site::Nut, angles[0]) * q_a + normal(Site::Screw, angles[1]) * q_b;
-            // The vector `out` points out of the wedge: perpendicular to the mean contact normal,
-            // toward the axis.
+            // The vector `out` points out of the wedge. It is perpendicular to the mean contact
+            // normal and points toward the axis.
             let out = Vector3::new(0.0, a.sin(), -a.cos());
             let net = (forces - frame.n * f_c).dot(&out);
             let friction: f64 = wedge.across().iter().sum();
@@ -388,7 +388,7 @@ mod tests {
         assert_eq!(step(1.5, 0.4, 0.0).thrust_ratio(), None);
     }
 
-    /// Hand calculation of the drag force: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 N.
+    /// A hand calculation gives a drag force of (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 N.
     #[test]
     fn drag_and_centrifugal_force_match_hand_calculations() {
         let drag = viscous_drag(0.5, 880.0, 3.5e-3, 2.0);

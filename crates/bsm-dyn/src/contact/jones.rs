@@ -22,7 +22,7 @@ impl<D: Scalar> Jones<D> {
     /// displacement of the nut \[m\] for two approaches \[m\] and a tilt
     /// `$\nu = (\beta_B - \beta_A)/2$` \[rad\] (J7), (J8).
     ///
-    /// This is the closed-form inverse of (J1) to (J5). It allows the loads themselves to be
+    /// This is the closed-form inverse of (J1) to (J5). With this inverse, the loads can serve as
     /// unknowns, and a small tilt due to the inertia forces keeps all its significant digits.
     ///
     /// Source: Jones, *A General Theory for Elastically Constrained Ball and Radial Roller

@@ -28,9 +28,10 @@ impl Transition {
 
     /// Returns the pressure at the transition for a given slip speed, and the distance from this
     /// pressure to the complex poles of the friction coefficient. Both are divided by the maximum
-    /// pressure.
+    /// pressure on the line.
     ///
     /// * `square`: square of the slip speed.
+    /// * `part`: maximum pressure on the line, divided by the maximum pressure in the contact.
     #[inline(always)]
     pub(crate) fn pressure<S: Simd>(&self, square: Lane<S>, part: Lane<S>) -> (Lane<S>, Lane<S>) {
         let one = square.constant(1.0);
@@ -39,7 +40,8 @@ impl Transition {
         let log = log.max(one.constant(0.0)).min(one.constant(40.0));
         let room = (-(log * PRESSURE_SLOPE) + 1.0).recip();
         let largest = part.max(one.constant(1e-4)).recip() * self.scale;
-        // The complex poles are at a distance of π/2 in l: dp*/dl = a_p/(1 − b_p l)²
+        // In the variable l, the complex poles are at a distance of π/2. The factor
+        // dp*/dl = a_p/(1 − b_p l)² converts this distance to pressure.
         (log * room * largest, room * room * largest * FRAC_PI_2)
     }
 }

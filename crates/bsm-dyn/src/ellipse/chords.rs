@@ -68,8 +68,8 @@ pub(super) trait AddChords<S: Simd> {
 /// can then work on one block while it waits for the results of another.
 const AHEAD: usize = 2;
 
-/// Calls `sums` with the lines across the ellipses of two contacts. Contacts with `done` set are
-/// skipped.
+/// Passes the lines across the ellipses of two contacts to `sums`. Contacts for which `done` is
+/// true are skipped.
 #[inline(always)]
 pub(super) fn for_each_chord<S: Simd>(
     simd: S,

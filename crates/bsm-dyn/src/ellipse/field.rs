@@ -7,8 +7,8 @@ use super::EllipseSlip;
 use crate::contact::FrictionLaw;
 
 impl EllipseSlip<f64> {
-    /// Returns the slip along and across the groove at a point. The unit is that of the speeds from
-    /// which `self` was created.
+    /// Returns the slip along and across the groove at a point. The slip has the unit of the speeds
+    /// from which `self` was created.
     pub fn at(&self, xi: f64, upsilon: f64) -> [f64; 2] {
         let (b_0, spin) = (self.across_at(xi, 0.0).0, self.spin_speed);
         // v_t = q₀ + q₁ ξ + q₂ ξ²                                        (T12)
@@ -34,7 +34,7 @@ impl EllipseSlip<f64> {
     }
 
     /// Returns the positions on the long axis at which there is no slip along the groove (lines of
-    /// pure rolling), in ascending order. There are at most two.
+    /// pure rolling), in ascending order. There are at most two such lines.
     pub fn rolling_lines(&self) -> Vec<f64> {
         let [q_0, q_1, q_2] = self.longitudinal;
         // The root with the larger magnitude is calculated without cancellation. The other root
@@ -107,7 +107,7 @@ mod tests {
         let across = BallFrame::tangent().cross(&ellipse.contact.normal);
         let expected: [f64; 2] = [wrench.force.x, wrench.force.dot(&across)];
         for (sum, expected) in force.into_iter().zip(expected) {
-            // Integration over a grid of squares has an error of a few 1e-4 of f Q, because the
+            // Integration over a grid of squares has an error of a few times 1e-4 f Q, because the
             // friction direction changes abruptly at the spin pole.
             let error: f64 = sum / load * ellipse.load - expected;
             assert!(error.abs() < 1e-3 * 0.08 * ellipse.load, "{sum} {expected}");

@@ -1,7 +1,6 @@
 //! Friction sums over a contact ellipse, with derivatives, for several nodes at once.
 //!
-//! The friction law is the same as in [`Ellipse::integrate`](super::Ellipse::integrate). Tests
-//! compare both implementations.
+//! The friction law is the same as in [`Patch::integrate`]. Tests compare both implementations.
 
 #![expect(
     clippy::needless_range_loop,
@@ -53,10 +52,10 @@ pub(crate) struct Resultants<F = f64> {
 
 /// Number of components of the motion of the ball.
 pub(crate) const MOTION: usize = 4;
-/// Number of sums: the components of force and moment.
+/// Number of sums for the components of force and moment.
 pub(crate) const SUMS: usize = 5;
-/// Number of derivatives: with respect to the components of the motion, and with respect to the
-/// size of the ellipse.
+/// Number of derivatives, which are taken with respect to the components of the motion and the size
+/// of the ellipse.
 pub(crate) const SLOPES: usize = MOTION + 1;
 
 /// Number of sums for force, moment and power.
@@ -108,7 +107,8 @@ impl<S: Simd> NearPole<S> {
     pub(super) fn of(slip: &EllipseSlip<Lane<S>>, xi: Lane<S>) -> Self {
         let sinh = slip.analyticity(xi).sqrt();
         let ((b_0, b_1), one) = (slip.across(xi), xi.constant(1.0));
-        // s = cos φ, about φ₀ with cos φ₀ = −Re z/cosh η and the width η: η ≈ sinh η  (T20)
+        // The nodes s = cos φ are concentrated around φ₀, where cos φ₀ = −Re z/cosh η, within the
+        // width η ≈ sinh η (T20).
         let cos = -(b_0 / b_1) / sinh.mul_add(sinh, one).sqrt();
         let (at, width) = (angle(cos), clamp(sinh, 1e-100, FAR_LIMIT));
         let (below, above) = ((at / width).arsinh(), ((-at + PI) / width).arsinh());
@@ -187,7 +187,7 @@ impl<S: Simd, const N: usize> Moments<S, N> {
         Self([[Lane::splat(simd, 0.0); 3]; N])
     }
 
-    /// Selects the sums of `other` where the mask is true.
+    /// Returns the sums of `other` where the mask is true, and the sums of `self` elsewhere.
     #[inline(always)]
     fn or(mut self, mask: Mask<S>, other: Self) -> Self {
         for k in 0..N {
@@ -260,8 +260,8 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
 pub(crate) struct Dry;
 
 impl Dry {
-    /// Adds the contribution of a node. It is accurate to rounding errors unless `COARSE` is true;
-    /// in this case, an approximate square root limits the accuracy.
+    /// Adds the contribution of a node. The contribution is accurate to rounding errors unless
+    /// `COARSE` is true; in this case, an approximate square root limits the accuracy.
     #[inline(always)]
     pub(super) fn add<S: Simd, const JACOBIAN: bool, const COARSE: bool>(
         Moments([j, k]): &mut Moments<S, 2>,
@@ -349,7 +349,7 @@ pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S
     sums[2] = first.mul_add(s, sums[2]);
 }
 
-/// Accumulates the sums over all lines of two contacts. The sums for the derivatives are
+/// An accumulator for the sums over all lines of two contacts. The sums for the derivatives are
 /// accumulated only if `JACOBIAN` is true.
 pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     pub(super) nodes: &'a [Placement<'a>; 2],

@@ -143,7 +143,8 @@ impl<S: Simd> HalfChord<S> {
     /// Returns the node for a position and a weight on [0, 1].
     #[inline(always)]
     pub(super) fn node(&self, (abscissa, part): (f64, f64)) -> HalfNode<S> {
-        // The nodes are concentrated around t* with the same transformation as on rings.
+        // A sinh transformation concentrates the nodes around t* (Y35), like the transformation for
+        // rings.
         let grow = (self.length * abscissa + self.from).exp();
         let fall = grow.recip();
         let half = self.width * 0.5;
@@ -151,7 +152,7 @@ impl<S: Simd> HalfChord<S> {
         let t = (half * (grow - fall) + self.at).max(one.constant(0.0)).min(one);
         let square = t * t;
         let pressure = t * (-square + 2.0).sqrt();
-        // (2/π) √(1 − s²) ds,  s = 1 − t²
+        // Weight: (2/π) √(1 − s²) ds with s = 1 − t²
         let weight =
             t * pressure * (half * (grow + fall)) * (self.length * (part * 2.0 * FRAC_2_PI));
         HalfNode { s: -square + 1.0, pressure, weight }

@@ -84,8 +84,8 @@ impl WithSimd for PolesOfBoth<'_> {
 }
 
 impl<'a> Panels<'a> {
-    /// Creates the panels of two contacts side by side. No panels are created for contacts with
-    /// `done` set.
+    /// Creates the panels of two contacts side by side. No panels are created for contacts for
+    /// which `done` is true.
     #[inline(always)]
     pub(super) fn of<S: Simd>(
         simd: S,
@@ -114,7 +114,7 @@ impl<'a> Panels<'a> {
                 all.add(c, nodes[c], poles.map(here));
             }
         }
-        // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)        (T17)
+        // The variable τ extends from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j) (T17)
         let ends = all.ends[..all.of[1].end].as_flattened_mut();
         for at in (0..ends.len()).step_by(S::F64_LANES) {
             Lane::<S>::load(simd, &ends[at..]).arsinh().store(&mut ends[at..]);
@@ -122,8 +122,8 @@ impl<'a> Panels<'a> {
         all
     }
 
-    /// Adds the panels of an ellipse around two poles with the given `$\sinh^2\eta$`. If a pole is
-    /// inside a panel, the panel is split there.
+    /// Adds the panels of an ellipse around two poles with the given `$\sinh^2\eta$`. A panel is
+    /// split at its pole if the pole is within the panel and counts as inside the ellipse.
     #[inline(always)]
     fn add(&mut self, ellipse: usize, nodes: Placement<'a>, poles: [(Pole<f64>, f64); 2]) {
         let (rule, (frozen, _)) = (nodes.rule, nodes.lines());

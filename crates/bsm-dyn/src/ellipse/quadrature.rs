@@ -246,7 +246,8 @@ impl Quadrature {
             clippy::cast_sign_loss,
             reason = "the number of nodes is small and positive"
         )]
-        // Subtracting 1e-9 ensures that rounding errors do not affect powers of ten.
+        // Subtracting 1e-9 prevents a rounding error from adding a node if the accuracy is a power
+        // of ten.
         let nodes = (-2.0 * accuracy.log10() - 1e-9).ceil() as usize;
         nodes.max(1)
     }

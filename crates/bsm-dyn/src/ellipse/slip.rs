@@ -66,7 +66,7 @@ pub(super) struct Pole<F> {
 }
 
 impl<F: Real> Pole<F> {
-    /// Selects the pole `other` where the mask is true.
+    /// Returns the pole `other` where the mask is true, and the pole `self` elsewhere.
     #[inline(always)]
     fn or(self, mask: F::Mask, other: Self) -> Self {
         let width = F::select(mask, other.width, self.width);
@@ -220,7 +220,7 @@ impl EllipseSlip<f64> {
 /// * `semi_axes`, `pressed_radius`: semi-axes of the ellipses and radii of the contact surfaces
 ///   across the grooves of nut and screw, divided by the ball radius.
 pub(crate) fn slip_scale(semi_axes: [f64; 2], pressed_radius: [f64; 2]) -> f64 {
-    // max(1, a²/2R_c)                                                     (T9)
+    // Scale: max(1, a²/2R_c)                                              (T9)
     let drops = [0, 1].map(|i| surface_drop(semi_axes[i], pressed_radius[i]));
     drops.into_iter().fold(1.0, f64::max)
 }

@@ -158,8 +158,8 @@ fn nearly_all_extreme_screws_converge_or_have_no_solution() {
     }
     println!("{tally:#?}");
     assert!(tally.worst_balance <= 1e-9 && tally.worst_residual <= 1e-10, "{tally:#?}");
-    // The continuation fails for one nut drive with extremely large inertia, close to a point at
-    // which a slip changes its sign.
+    // The continuation fails for one screw with nut drive and extremely large inertia, close to a
+    // point at which a slip velocity changes sign.
     assert!(tally.not_converged <= 1, "{tally:#?}");
     assert!(tally.converged > 7000 && tally.no_solution > 2000, "{tally:#?}");
 }

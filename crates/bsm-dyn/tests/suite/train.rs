@@ -54,7 +54,7 @@ const REFERENCES: [Reference; 9] = [
 ];
 
 fn assert_near(name: &str, got: f64, want: f64, digits: f64) {
-    assert!((got - want).abs() <= digits * want.abs(), "{name}: {got} in place of {want}");
+    assert!((got - want).abs() <= digits * want.abs(), "{name}: {got} instead of {want}");
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn compliance_is_the_derivative_of_the_precession_rate() {
     let [front, back] = ball.free().compliances();
     assert_near("compliance", back, slope, 1e-3);
     let there = ball.pushed(ball.free(), [step, 0.0], work).expect("a motion");
-    assert_near("of the front", front, (there.rate - ball.free().rate) / step, 1e-3);
+    assert_near("compliance at the front", front, (there.rate - ball.free().rate) / step, 1e-3);
     // The compliance must also be correct for a ball that is already pushed.
     let here = ball.pushed(ball.free(), [1.0, 2.0], work).expect("a motion");
     let there = ball.pushed(&here, [1.0, 2.0 + step], work).expect("a motion");

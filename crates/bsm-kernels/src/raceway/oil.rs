@@ -1,6 +1,6 @@
-//! Friction of lubricated balls, vectorized over the points of a block. The friction is calculated
-//! locally at every point of a contact, or with one friction coefficient per contact, Eqs (Y1) to
-//! (Y31).
+//! Friction of lubricated balls, vectorized over the points of a block, Eqs (Y1) to (Y31). The
+//! friction is calculated locally at every point of a contact, or with one friction coefficient per
+//! contact.
 
 use bsm_case::InputKey;
 use bsm_dyn::internals::{BallOrbit, EhlPoint, EhlUnits, FilmLoss, ScaledFilm};

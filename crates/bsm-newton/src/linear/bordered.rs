@@ -137,8 +137,8 @@ impl<const K: usize> BorderedMatrix<K> {
             return;
         }
         let (i, k) = (unknown / K, unknown % K);
-        // In both directions, the entries of this unknown in the couplings to the next block are
-        // set to zero.
+        // The entries of this unknown are set to zero in both couplings between its block and the
+        // next block.
         if let (Some(above), Some(below)) = (self.above.get_mut(i), self.below.get_mut(i)) {
             for line in above.iter_mut().chain(below) {
                 line[k] = 0.0;

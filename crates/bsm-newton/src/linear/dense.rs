@@ -23,7 +23,8 @@ impl<const N: usize> Default for Dense<N> {
 }
 
 impl<const N: usize> Dense<N> {
-    /// Returns the rows, which must be filled before calling [`factorize`](Self::factorize).
+    /// Returns the rows for writing. They must be filled before [`factorize`](Self::factorize) is
+    /// called.
     pub fn rows_mut(&mut self) -> &mut [[f64; N]; N] {
         &mut self.rows
     }

@@ -28,7 +28,7 @@ impl DynamicDense {
         }
     }
 
-    /// Sets an entry, which must be done before calling [`factorize`](Self::factorize).
+    /// Sets an entry. All entries must be set before [`factorize`](Self::factorize) is called.
     pub fn set(&mut self, row: usize, column: usize, value: f64) {
         self.factors[(row, column)] = value;
     }

@@ -67,7 +67,7 @@ fn invalid_brackets_are_reported() {
 /// A pole is also a sign change. The search finds its location, and the reported function value is
 /// large.
 #[test]
-fn function_value_that_root_search_reports_at_a_pole_is_large() {
+fn function_value_reported_at_a_pole_is_large() {
     let found = root(|x| 1.0 / (x - 0.3), [0.0, 1.0]);
     assert!((found.x - 0.3).abs() <= 1e-15 && found.value.abs() > 1e14, "{found:?}");
 }
@@ -98,7 +98,7 @@ fn predicate_transition_is_enclosed_by_adjacent_doubles() {
 /// If interpolation fails, the search stays within the limit of evaluations and still finds a sign
 /// change.
 #[test]
-fn difficult_functions_stay_within_the_evaluation_limit() {
+fn root_search_for_difficult_functions_stays_within_the_evaluation_limit() {
     type Case = (fn(f64) -> f64, [f64; 2]);
     let hostile: [Case; 6] = [
         (|x| (x - 1.0).powi(9), [0.0, 10.0]),
@@ -120,7 +120,7 @@ fn difficult_functions_stay_within_the_evaluation_limit() {
 /// With larger tolerances, the search ends earlier, and the error of the root is within these
 /// tolerances.
 #[test]
-fn results_are_within_the_tolerances() {
+fn root_search_results_are_within_its_tolerances() {
     let f = |x: f64| x.exp() - 10.0;
     let coarse = Bracket { x_tol: 1e-3, ..Bracket::new([0.0, 5.0], [f(0.0), f(5.0)]) };
     let found = coarse.root(f).root().expect("a sign change");
@@ -132,7 +132,7 @@ fn results_are_within_the_tolerances() {
 
 /// `first_change` stops at the first sign change, zero, NaN or error.
 #[test]
-fn search_for_the_first_sign_change_stops_at_this_sign_change() {
+fn first_change_stops_at_a_sign_change_zero_nan_or_error() {
     let walk = |f: fn(f64) -> f64| {
         let places = [1.0, 2.0, 4.0];
         let Ok(change) =
@@ -141,7 +141,7 @@ fn search_for_the_first_sign_change_stops_at_this_sign_change() {
     };
     assert_eq!(walk(|x| x - 1.5), Some([1.0, 2.0]));
     assert_eq!(walk(|x| x - 2.0), Some([1.0, 2.0]));
-    assert_eq!(walk(|x| x), Some([0.0, 1.0]), "the begin is the root");
+    assert_eq!(walk(|x| x), Some([0.0, 1.0]), "the root is the first point");
     assert_eq!(walk(|x| 1.5 - x), Some([1.0, 2.0]));
     assert_eq!(walk(|x| (1.5 - x).sqrt()), Some([1.0, 2.0]), "not a number");
     assert_eq!(walk(|x| x - 5.0), None);

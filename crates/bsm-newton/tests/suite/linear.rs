@@ -168,7 +168,8 @@ fn singular_matrices_are_reported() {
     assert_eq!(blocks.factorize(), Err(Singular));
 }
 
-/// The exact solution can be represented in double precision, and the row order does not matter.
+/// The solution can be represented exactly in double precision, and it must not depend on the order
+/// of the rows.
 #[test]
 fn small_matrices_are_solved_with_pivoting() {
     let rows = [[0.0, 2.0, 1.0], [4.0, 0.0, 0.0], [2.0, 2.0, -1.0]];

@@ -19,7 +19,7 @@ impl<F: Fn(f64, f64) -> Result<(f64, [f64; 2]), EvalError>> Homotopy<1, 2> for C
 
 type Value = Result<(f64, [f64; 2]), EvalError>;
 
-#[expect(clippy::unnecessary_wraps, reason = "the shape that a family has")]
+#[expect(clippy::unnecessary_wraps, reason = "all curves have the same signature")]
 fn circle(x: f64, y: f64) -> Value {
     Ok((x * x + y * y - 1.0, [2.0 * x, 2.0 * y]))
 }
@@ -36,8 +36,8 @@ fn follow_curve(
     trace(&Curve(curve), &Seed { z, towards }, event, on, control)
 }
 
-/// A circle crosses a line twice, and the path is closed. This applies to both directions along the
-/// circle.
+/// The path around a circle crosses a line twice and is closed, regardless of the direction in
+/// which the circle is followed.
 #[test]
 fn closed_curve_is_traced_exactly_once() {
     for (towards, first, points) in [([0.0, 1.0], 0.8, 19), ([0.0, -1.0], -0.8, 21)] {
@@ -120,8 +120,8 @@ fn failure_to_find_or_follow_a_solution_curve_is_reported() {
     assert_eq!(seen.end, PathEnd::NoCurve, "{seen:?}");
 }
 
-/// Seven equations z_i = sin(i u) with the parameter u. The component z_7 crosses 1/2 at 7u = π/6,
-/// 5π/6, …
+/// The curve satisfies the seven equations z_i = sin(i u) with the parameter u. The component z_7
+/// crosses 1/2 at 7u = π/6, 5π/6, …
 #[test]
 fn path_follows_a_curve_of_seven_equations() {
     struct Waves;

@@ -47,18 +47,18 @@ where
     solve(&Problem(function), x, &scales, &Options::default(), &mut Workspace::default()).report
 }
 
-#[expect(clippy::unnecessary_wraps, reason = "the shape that a model has")]
+#[expect(clippy::unnecessary_wraps, reason = "all problems have the same signature")]
 fn rosenbrock(x: &[f64; 2]) -> Values<2> {
     Ok(([10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]], [[-20.0 * x[0], 10.0], [-1.0, 0.0]]))
 }
 
-#[expect(clippy::unnecessary_wraps, reason = "the shape that a model has")]
+#[expect(clippy::unnecessary_wraps, reason = "all problems have the same signature")]
 fn powell_badly_scaled(x: &[f64; 2]) -> Values<2> {
     let (e0, e1) = ((-x[0]).exp(), (-x[1]).exp());
     Ok(([1e4 * x[0] * x[1] - 1.0, e0 + e1 - 1.0001], [[1e4 * x[1], 1e4 * x[0]], [-e0, -e1]]))
 }
 
-#[expect(clippy::unnecessary_wraps, reason = "the shape that a model has")]
+#[expect(clippy::unnecessary_wraps, reason = "all problems have the same signature")]
 fn powell_singular(x: &[f64; 4]) -> Values<4> {
     let (s5, s10) = (5.0_f64.sqrt(), 10.0_f64.sqrt());
     let (a, b) = (x[1] - 2.0 * x[2], x[0] - x[3]);
@@ -74,7 +74,7 @@ fn powell_singular(x: &[f64; 4]) -> Values<4> {
 }
 
 /// The equation ln x = 0, which returns an error for x ≤ 0.
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "the shape that a model has")]
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "all problems have the same signature")]
 fn logarithm(x: &[f64; 1]) -> Values<1> {
     if x[0] > 0.0 {
         Ok(([x[0].ln()], [[1.0 / x[0]]]))
@@ -96,7 +96,7 @@ fn rosenbrock_needs_at_most_ten_steps() {
     assert_eq!(report.n_jacobian, report.steps.len(), "{report:?}");
 }
 
-/// Problem 3 (Powell, badly scaled): the published root is 1.098e-5, 9.106. The monotone line
+/// Problem 3 (Powell, badly scaled): the published root is (1.098e-5, 9.106). The monotone line
 /// search first follows a narrow valley in small steps. Refining the solution below the tolerance
 /// then takes only a few more steps.
 #[test]
@@ -117,7 +117,7 @@ fn powell_badly_scaled_finds_the_published_root() {
     }
     assert!(path[0].n_jacobian <= 53, "{:?}", path[0]);
     // The tolerance is the rounding error of 1e4 x y − 1. At most two more steps are needed to
-    // reach it.
+    // reach this tolerance.
     assert!(path[1].residual <= 1e-15, "{:?}", path[1]);
     assert!(path[1].steps.len() <= path[0].steps.len() + 2, "{:?}", path[1]);
 }
@@ -138,7 +138,7 @@ fn powell_singular_converges_linearly() {
 }
 
 #[test]
-fn convergence_is_quadratic_at_the_root() {
+fn newton_converges_quadratically_near_the_root() {
     let report = solve_equations(logarithm, &mut [1.1]);
     assert_eq!(report.status, Termination::Converged);
     let r: Vec<f64> = report.steps.iter().map(|s| s.residual).collect();
@@ -208,7 +208,7 @@ fn chord_step_that_increases_the_residual_is_followed_by_a_newton_step() {
 /// The failure is expected: x² + 1 has no root, so the line search ends near the minimum of the
 /// squared residual.
 #[test]
-fn equation_without_root_ends_with_failed_line_search_or_singular_jacobian() {
+fn equation_without_root_ends_with_a_failed_line_search() {
     let report =
         solve_equations(|x: &[f64; 1]| Ok(([x[0] * x[0] + 1.0], [[2.0 * x[0]]])), &mut [0.7]);
     assert_eq!(report.status, Termination::LineSearchFailed, "{report:?}");
@@ -305,9 +305,9 @@ fn derivatives_of_a_root_match_the_closed_form() {
 }
 
 /// The solution curve is the line 2x = 0, 3y = 0, and the last row of the Jacobian belongs to the
-/// plane -z/2 = 0, which intersects the curve. For either order of the first two rows, the sign of
-/// the tangent equals the sign of the determinant. The length of the tangent is the reciprocal of
-/// the coefficient of the plane.
+/// plane -z/2 = 0, which intersects the curve. For either order of the first two rows, the
+/// component of the tangent along the normal of the plane has the sign of the determinant. The
+/// length of the tangent is the reciprocal of the coefficient of the plane.
 #[test]
 fn orientation_of_the_path_tangent_follows_the_sign_of_the_jacobian_determinant() {
     let rows = [[2.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
@@ -317,7 +317,7 @@ fn orientation_of_the_path_tangent_follows_the_sign_of_the_jacobian_determinant(
         });
         let work = &mut Workspace::default();
         let direction = path_direction(&system, &[0.0; 3], &[1.0; 3], work).expect("regular");
-        // det = -0.5 · 6 · sense, t_z = sgn(det) / (-0.5).
+        // The determinant is -3 · sense, so t_z = sgn(det) / (-0.5) = 2 · sense.
         assert!((direction[2] - 2.0 * sense).abs() < 1e-15, "{direction:?}");
         assert!(direction[0].abs() + direction[1].abs() == 0.0, "{direction:?}");
     }
@@ -340,7 +340,7 @@ fn missing_derivatives_of_a_root_are_reported() {
 
 /// The list of steps is the only memory allocation, regardless of the number of steps.
 #[test]
-fn iteration_does_not_allocate() {
+fn newton_iteration_allocates_only_the_list_of_steps() {
     let ones = [1.0; 4];
     let scales = Scales { x: &ones, f: &ones };
     let mut work = Workspace::default();

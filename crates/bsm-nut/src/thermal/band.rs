@@ -35,7 +35,8 @@ pub(super) fn interval(
     guessed: impl Fn((Guess, f64)) -> Result<Vec<f64>, NoSteadyState>,
     complete: impl Fn() -> Result<Vec<f64>, NoSteadyState>,
 ) -> StateInterval {
-    // Amounts by which each result decreases and increases when one quantity is changed.
+    // The closure returns the amounts by which each result decreases and increases when one
+    // quantity is changed.
     let changes = |found: &[f64]| -> Vec<[f64; 2]> {
         let change =
             |(found, middle): (&f64, &f64)| [(middle - found).max(0.0), (found - middle).max(0.0)];
@@ -63,7 +64,7 @@ pub(super) fn interval(
         Ok(found) => (changes(&found), None),
         Err(why) => (vec![[0.0; 2]; middle.len()], Some(why)),
     };
-    // upper = value + shift + √(Σ largest rise²), lower likewise          (I21)
+    // upper limit = value + shift + √(Σ largest increase²); the lower limit is analogous (I21)
     let end = |((middle, [down, up]), [less, more]): ((&f64, &[f64; 2]), [f64; 2])| {
         [middle - less - down.sqrt(), middle + more + up.sqrt()]
     };

@@ -1,6 +1,6 @@
 //! Estimated conductances between nut, screw, balls and surroundings, and their uncertainty.
 //!
-//! Theory: `docs/theory/19-warm-state.md`, equations (I9) to (I12).
+//! Theory: `docs/theory/19-warm-state.md`, equations (I9) to (I12) and (I22).
 
 use std::f64::consts::{PI, TAU};
 
@@ -140,7 +140,8 @@ fn film_of_cylinder(diameter: f64, speed: f64) -> f64 {
 /// * `length`: length of the nut \[m\].
 /// * `feed`: feed speed \[m/s\].
 ///
-/// Source: McAdams for free convection, and laminar flow along a plate for forced convection.
+/// Source: McAdams for free convection, and the formula for laminar flow along a plate for forced
+/// convection.
 fn film_of_nut(length: f64, feed: f64) -> f64 {
     let (viscosity, conductivity, prandtl, _) = AIR;
     let free = 1.42 * (RISE / length).powf(0.25);

@@ -26,8 +26,8 @@ pub struct ScrewBar {
     pub conductivity: f64,
     /// Coefficient of thermal expansion of nut, screw and balls \[1/K\].
     pub expansion: f64,
-    /// Whether each end of the screw has a support bearing. An end without a bearing does not
-    /// transfer heat to the structure.
+    /// For each end of the screw, true if it has a support bearing. An end without a bearing does
+    /// not transfer heat to the structure.
     pub bearings: [bool; 2],
     /// Axial constraint by two fixed bearings; `None` if the screw can expand freely.
     pub hold: Option<AxialHold>,
@@ -115,9 +115,9 @@ impl Network {
         }
     }
 
-    /// Returns the matrix `$M$`, which multiplied by the temperatures gives the heat flows that
-    /// leave the nodes \[W/K\], and the vector `$r$` of heat flows from the surroundings to the
-    /// nodes \[W\] (I8).
+    /// Returns the matrix `$M$`, whose product with the temperatures gives the heat flows out of
+    /// the nodes \[W/K\], and the vector `$r$` of heat flows from the surroundings to the nodes
+    /// \[W\] (I8).
     pub fn balance(&self) -> ([[f64; NODES]; NODES], [f64; NODES]) {
         let (of, fin, (given, around)) = (&self.conductances, self.fin(), self.along());
         let mut matrix = [[0.0; NODES]; NODES];

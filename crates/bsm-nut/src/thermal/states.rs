@@ -49,10 +49,10 @@ const MAX_CONTINUATION_STEP: f64 = 0.5;
 /// units of the scales [`SIZES`].
 const MAX_STEP_FOR_RESULTS: f64 = 0.25;
 
-/// Ratio of speed to fold speed, down to which the unstable states beyond the fold are traced.
+/// Lower limit of the ratio of speed to fold speed for tracing the unstable states beyond the fold.
 const UNSTABLE_SPEED_FRACTION: f64 = 0.8;
 
-/// Residual of the heat balance divided by the generated heat, at which Newton's method stops.
+/// Residual of the heat balance, divided by the generated heat, below which Newton's method stops.
 const RESIDUAL_TOLERANCE: f64 = 1e-10;
 
 /// Maximum number of Newton steps in the search for a steady state.
@@ -123,8 +123,8 @@ impl fmt::Display for Fold {
         let [nut, screw, balls, ..] = celsius(self.set, &self.rises);
         write!(
             to,
-            "the axis runs away above {factor:.2} times the given speeds, where the nut has {nut:.0} C, the screw {screw:.0} C and \
-             the balls {balls:.0} C"
+            "the temperature of the axis runs away above {factor:.2} times the given speeds, where the nut \
+             reaches {nut:.0} C, the screw {screw:.0} C and the balls {balls:.0} C"
         )?;
         preload.map_or(Ok(()), |preload| write!(to, " at a preload of {preload:.0} N"))
     }
@@ -376,7 +376,7 @@ impl HeatBalance<'_> {
         Ok(Steady { rises, heated, gain, on_jump, models: self.models.clone() })
     }
 
-    /// Returns a copy of this heat balance with other ball models.
+    /// Returns this heat balance with other ball models.
     fn with_models(self, models: ModelsOfPhases) -> Self {
         Self { models, ..self }
     }
@@ -443,7 +443,7 @@ impl HeatBalance<'_> {
             ..StepControl::default()
         };
         let events = |z: &[f64; NODES + 1], along: &[f64; NODES + 1]| {
-            // det(M − P')/det M changes its sign                          (I20)
+            // At a fold, det(M − P')/det M changes sign (I20)
             let fold = self.slopes(&from_fn(|i| z[i]), z[NODES], None).map_or(f64::NAN, |slopes| {
                 let gains = self.loop_matrix(&slopes, z[NODES]);
                 (Matrix3::identity() - Matrix3::from_fn(|i, k| gains[i][k])).determinant()
@@ -705,7 +705,7 @@ fn largest_real_part(a: &[[f64; FRICTION_NODES]; FRICTION_NODES]) -> f64 {
     let matrix = Matrix3::from_fn(|i, k| a[i][k]);
     let schur = Schur::try_new(matrix, f64::EPSILON, MAX_QR_SWEEPS);
     schur.map_or(f64::NAN, |schur| {
-        // gain = max Re λ(M⁻¹ P')                                        (I18)
+        // The loop gain is max Re λ(M⁻¹ P')                              (I18)
         schur.complex_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max)
     })
 }

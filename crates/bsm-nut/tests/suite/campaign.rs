@@ -143,8 +143,7 @@ fn assert_stiffness_equals_slope_of_forces(nut: &BallNut, found: &Equilibrium, p
 /// Solves random nuts. Returns the number of solved nuts, the number of nuts that cannot carry
 /// their load, the largest residual and the largest number of steps.
 ///
-/// * `every`: the stiffness of every nth nut is compared with finite differences, where n is
-///   `every`.
+/// * `every`: interval between the nuts whose stiffness is compared with finite differences.
 fn solve_random_nuts(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut solved, mut nothing, mut worst, mut most) = (0, 0, 0.0_f64, 0);
@@ -184,11 +183,14 @@ fn solve_random_nuts(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usiz
     (solved, nothing, worst, most)
 }
 
-/// Solves random nuts, and checks the results for the required properties.
+/// Solves random nuts, and checks the residuals, the numbers of steps, and the number of nuts that
+/// cannot carry their load.
 #[expect(clippy::print_stderr, reason = "the campaign prints its counts")]
 fn check_campaign(points: u32, seed: u64, every: u32) {
     let (solved, nothing, worst, most) = solve_random_nuts(points, seed, every);
-    eprintln!("{solved} solved, {nothing} that nothing carries, {worst:e} left, {most} steps");
+    eprintln!(
+        "{solved} solved, {nothing} cannot carry their load, residual {worst:e}, {most} steps at most"
+    );
     assert_eq!(solved + nothing, points);
     assert!(worst <= 1e-12 && most <= 60, "{worst:e} {most}");
     // A single flank carries loads in one direction only, so one twelfth of the nuts cannot carry
@@ -197,14 +199,14 @@ fn check_campaign(points: u32, seed: u64, every: u32) {
 }
 
 #[test]
-fn random_nuts_find_their_equilibrium() {
+fn random_nuts_reach_equilibrium_or_cannot_carry_their_load() {
     check_campaign(1_000, 1, 10);
 }
 
 /// To run this test, use `cargo test -p bsm-nut campaign:: -- --ignored --nocapture`.
 #[test]
 #[ignore = "ten thousand nuts take minutes"]
-fn ten_thousand_random_nuts_find_their_equilibrium() {
+fn ten_thousand_random_nuts_reach_equilibrium_or_cannot_carry_their_load() {
     check_campaign(10_000, 2026, 1);
 }
 
@@ -256,8 +258,8 @@ fn extreme_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     support
 }
 
-/// Describes a defect of an equilibrium, or returns `None` if there is none. The check uses only
-/// the loads and contact angles of the result.
+/// Returns a description of a defect of an equilibrium, or `None` if the equilibrium has no defect.
+/// The check uses only the loads and contact angles of the result.
 fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String> {
     let (sin_a, cos_a) = nut.helix.lead_angle.sin_cos();
     let outward = nut.ball.mass * nut.helix.radius * nut.precession * nut.precession;
@@ -356,8 +358,9 @@ fn check_extreme_campaign(points: u32, seed: u64) {
     }
     let [nothing, leaves, not_converged, ball, large] = refused;
     eprintln!(
-        "{solved} in balance; nothing carries {nothing}, a ball leaves its flank in {leaves}, not converged \
-         {not_converged}, a ball not balanced in {ball}, too large in {large}"
+        "{solved} in equilibrium; {nothing} cannot carry their load, a ball leaves its flank in \
+         {leaves}, {not_converged} not converged, a ball is not balanced in {ball} and too large in \
+         {large}"
     );
     // At least one third of the nuts must be able to carry their load.
     assert!(3 * solved >= points, "{solved} of {points}");
@@ -368,9 +371,9 @@ fn extreme_nuts_are_in_equilibrium_or_rejected() {
     check_extreme_campaign(300, 37);
 }
 
-/// To run this test, use `cargo test -p bsm-nut --test campaign -- --ignored --nocapture`.
+/// To run this test, use `cargo test -p bsm-nut campaign:: -- --ignored --nocapture`.
 #[test]
-#[ignore = "ten times as many nuts"]
+#[ignore = "three thousand nuts take ten times as long as three hundred"]
 fn three_thousand_extreme_nuts_are_in_equilibrium_or_rejected() {
     check_extreme_campaign(3_000, 1937);
 }

@@ -36,7 +36,7 @@ fn prescribed_displacements(at: [f64; 5]) -> Support {
     Support(at.map(Freedom::Held))
 }
 
-/// In a rigid, guided nut, all balls carry the same load, which matches the closed formula.
+/// In a rigid, guided nut, all balls carry the same load, which matches the closed-form solution.
 #[test]
 fn balls_of_a_guided_rigid_nut_carry_equal_loads() {
     let nut = nut_with_98_balls();
@@ -157,14 +157,14 @@ fn load_concentrations_match_an_independent_solution() {
 }
 
 /// Torsion of the screw increases its axial compliance by the factor 1 + 4 (1 + ν) (h/r)²,
-/// according to the closed formula for a solid shaft.
+/// according to the closed-form expression for a solid shaft.
 #[test]
 fn torsion_reduces_the_stiffness_of_the_screw() {
     let nut = nut_with_98_balls();
     let ratio = nut.screw_stiffness(false) / nut.screw_stiffness(true);
     let radius = 0.5 * nut.groove_diameters()[0];
     let per_radian = nut.helix.lead() / TAU;
-    // The calculated ratio and the closed formula differ only by rounding errors.
+    // The calculated ratio and the closed-form expression differ only by rounding errors.
     assert_relative_eq!(ratio, 1.0 + 5.2 * (per_radian / radius).powi(2), max_relative = 1e-14);
     assert!((1.03..1.05).contains(&ratio), "{ratio}");
 }
@@ -393,7 +393,7 @@ fn soft_guides_act_like_no_guides_and_stiff_guides_like_rigid_guides() {
 /// If all balls are equally loaded, the total friction is the friction of one ball multiplied by
 /// the number of balls. Without external load, the torque of a pair is caused by friction alone.
 #[test]
-fn friction_of_equally_loaded_balls_adds_up() {
+fn friction_of_equally_loaded_balls_is_proportional_to_their_number() {
     let drive = Drive { screw_speed: 500.0 * PI / 30.0, nut_speed: 0.0 };
     let mut work = ModelWorkspace::default();
     let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
@@ -525,8 +525,8 @@ proptest! {
 }
 
 /// In a single nut, the thermal expansion of the balls first reduces the play. The balls press
-/// against both flanks only after the play is closed. From then on, the preload is that of balls
-/// whose oversize equals the remaining expansion.
+/// against both flanks only after the play is closed. After that, the preload equals the preload of
+/// a nut whose balls are oversize by the remaining expansion.
 #[test]
 fn thermal_expansion_of_balls_takes_up_the_play_first() {
     let rises = [0.0, 0.0, 10.0];

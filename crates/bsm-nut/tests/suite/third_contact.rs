@@ -64,7 +64,7 @@ impl Scene {
         }
     }
 
-    /// Returns the screw that was used in the independent study of third contacts.
+    /// Returns the screw that was used in an independent study of third contacts.
     fn from_study(friction: f64, play_um: f64) -> Self {
         Self {
             ball: 6.35,
@@ -225,7 +225,7 @@ fn reference_balls_have_the_expected_third_contacts() {
 /// A ball that does not touch its far flanks has the same solution as in the `traction` model. Both
 /// models balance the forces to 1e-10 of the friction force.
 #[test]
-fn ball_with_wide_play_matches_the_traction_model() {
+fn ball_with_large_play_matches_the_traction_model() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
     let work = &mut GothicWorkspace::default();
     let mut traction_work = TractionWorkspace::default();
@@ -564,7 +564,7 @@ fn torque_is_continuous_where_the_third_contact_begins() {
 }
 
 #[test]
-fn unloaded_balls_and_frictionless_balls_and_invalid_gaps_are_rejected() {
+fn unloaded_or_frictionless_balls_and_invalid_gaps_are_rejected() {
     let work = &mut GothicWorkspace::default();
     let scene = Scene::from_study(0.06, 10.0);
     let solve = |scene: &Scene, condition, work: &mut GothicWorkspace| {
@@ -626,10 +626,10 @@ fn reference_pairs_have_the_expected_drag() {
     }
 }
 
-/// The drag torque of a pair, as a function of play and friction, agrees with the independent study
+/// The drag torque of a pair, as a function of play and friction, agrees with an independent study
 /// to the six digits that the study prints.
 #[test]
-fn drag_as_a_function_of_play_and_friction_matches_the_study() {
+fn drag_as_a_function_of_play_and_friction_matches_an_independent_study() {
     let work = &mut GothicWorkspace::default();
     let mut rows = 0;
     for row in STUDY.lines().filter(|row| row.starts_with("play,")) {
@@ -652,7 +652,7 @@ fn drag_as_a_function_of_play_and_friction_matches_the_study() {
 }
 
 /// If the friction coefficient at the far flanks is halved, the drag coefficient K_p decreases from
-/// 0.205 to 0.166. Both values are taken from the independent study, which prints three digits.
+/// 0.205 to 0.166. Both values are taken from an independent study, which prints three digits.
 #[test]
 fn lower_friction_coefficient_at_the_far_flank_reduces_the_drag() {
     let work = &mut GothicWorkspace::default();

@@ -146,7 +146,7 @@ fn push_forces_and_losses_of_ball_trains_match_the_reference() {
         let [rates, torques, pushes] =
             if reference.oil.is_some() { [1e-5, 1e-4, 1e-3] } else { [1e-7, 1e-6, 1e-5] };
         let near = |what: &str, got: f64, want: f64, allowed: f64| {
-            assert!((got - want).abs() <= allowed, "{name} {what}: {got} in place of {want}");
+            assert!((got - want).abs() <= allowed, "{name} {what}: {got} instead of {want}");
         };
         let (advance, ..) = reference.advance();
         near("spread", advance.spread, number(expected, "advance_spread").expect("spread"), rates);
@@ -255,7 +255,7 @@ fn push_force_from_the_ball_return_decreases_linearly_along_equally_loaded_balls
         let want = push - fall * f64::from(38 - number);
         // At each ball, the friction between balls changes the push force by the fraction 1.6 f_b.
         // Over all balls, these changes add up to 6e-4 of the push force.
-        assert!((got - want).abs() < 1e-3 * push, "{number}: {got} in place of {want}");
+        assert!((got - want).abs() < 1e-3 * push, "{number}: {got} instead of {want}");
     }
     // The push force from behind is at most the decrease per ball at the first ball, and at most
     // twice this decrease at the second ball.
@@ -270,7 +270,7 @@ fn push_force_from_the_ball_return_decreases_linearly_along_equally_loaded_balls
 }
 
 #[test]
-fn friction_matches_single_balls_if_the_balls_do_not_touch() {
+fn friction_equals_the_sum_over_single_balls_if_the_balls_do_not_touch() {
     let mut reference = back_driven_nut();
     let (advance, friction, _) = reference.advance();
     let needed = advance.circuits[0].needed_gap;
@@ -412,7 +412,7 @@ fn push_forces_without_inertia_are_equal_for_a_rotating_nut_and_a_rotating_screw
 }
 
 #[test]
-fn push_forces_scale_with_the_square_of_the_length() {
+fn push_forces_of_a_scaled_nut_are_proportional_to_the_square_of_the_scale() {
     let mut reference = back_driven_nut();
     reference.nut.ball.mass *= 1e-7;
     reference.inputs.gaps = vec![0.2e-3];
@@ -510,8 +510,8 @@ fn random_nut(rng: &mut impl Rng) -> (Case, Equilibrium) {
     }
 }
 
-/// Describes a defect of a ball train, or returns `None` if there is none. The check uses only
-/// precession rates and push forces.
+/// Returns a description of a defect of a ball train, or `None` if the ball train has no defect.
+/// The check uses only precession rates and push forces.
 fn defect_of(reference: &Case, train: &Train) -> Option<String> {
     let pitch = reference.nut.helix.arc_length_per_radian()
         * reference.nut.touch_angle(reference.inputs.spacer);

@@ -386,8 +386,9 @@ fn with_speed_factor<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
 
 /// At 0.99 times the fold speed of case WS-P3, a stable and an unstable state exist; at 1.01 times
 /// the fold speed, no state exists. From both speeds, the search finds the same fold speed to the
-/// accuracy of the reference (1e-5). The loop gain is 1 at the fold. It depends on the square root
-/// of the distance from the fold, so a speed error of 1e-6 changes the loop gain by 1e-3.
+/// accuracy of the reference (1e-5). The loop gain is 1 at the fold. Its difference from 1 is
+/// proportional to the square root of the distance from the fold, so a speed error of 1e-6 changes
+/// the loop gain by 1e-3.
 #[test]
 fn two_warm_states_exist_below_a_thermal_fold_and_none_above() {
     let reference = reference("WS-P3");
@@ -708,9 +709,9 @@ fn temperature_rise_of_a_single_thermal_node_is_heat_divided_by_conductance() {
 }
 
 /// The network assumes a uniform temperature along the travel. For a long screw, the resulting mean
-/// temperature rise matches a closed formula. It is lower than the mean temperature rise of an
-/// exact fin that is heated along the travel. The difference is 6 % at m L_t = 0.5, 12 % at 2 and
-/// 3, 9 % at 7, and 6 % at 12.
+/// temperature rise matches a closed-form expression. It is lower than the mean temperature rise in
+/// the exact solution for a fin that is heated along the travel. The difference is 6 % at m L_t =
+/// 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at 12.
 #[test]
 fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
     let base = axis(&reference("WS-P2")["case"]);
@@ -769,7 +770,7 @@ fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
 /// of nut and screw. The remaining change is less than 2 % of the change in X arrangement. It is
 /// not zero because the preload changes the contact angle of 45 deg by about 0.01 rad.
 #[test]
-fn o_pair_at_neutral_distance_is_insensitive_to_screw_temperature() {
+fn pair_in_o_arrangement_at_neutral_distance_is_insensitive_to_screw_temperature() {
     let change = |id: &str| {
         let mut case = reference(id)["case"].clone();
         let radius = 0.5 * length_in_m(&case, "pitch_circle_diameter_mm");

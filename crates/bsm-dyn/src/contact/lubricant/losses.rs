@@ -6,7 +6,8 @@ use bsm_kin::Real;
 
 use crate::contact::jam::viscous_drag;
 
-/// Parameters of the power losses outside the contacts. By default, there are no such losses.
+/// Parameters of the power losses outside the contacts. If all parameters are zero, there are no
+/// such losses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Losses<D = f64> {
     /// Torque of the seals \[N·m\].

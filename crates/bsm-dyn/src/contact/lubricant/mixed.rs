@@ -139,7 +139,7 @@ impl<D: Scalar> FrictionLaw<D> for MixedFriction<D> {
 }
 
 impl Transition {
-    /// Returns the pressure transition of a friction law.
+    /// Returns the transition of the friction coefficient for a friction law.
     pub(crate) fn of(law: &MixedFriction) -> Self {
         Self { shear: 2.0 * law.shear, scale: law.pressure_scale / law.max_pressure }
     }

@@ -10,7 +10,7 @@ use bsm_dyn::{
 
 use super::screws::{lin, real_screws, screws, unusual_screws};
 
-/// Numbers of points with each outcome of a campaign.
+/// Numbers of points with each outcome of a campaign, and the worst values of all converged points.
 #[derive(Debug, Default)]
 struct Tally {
     converged: usize,
@@ -75,10 +75,10 @@ fn elastic_model_converges_if_a_root_exists() {
 }
 
 /// Compares the error bounds of the model `auto` with the errors relative to a more accurate
-/// traction model. The points were not used to fit the constants. At least 99 % of the errors must
-/// be within their bounds, and the bounds must meet the tolerance.
+/// traction model. The points were not used to fit the constants of the error bounds. At least 99 %
+/// of the errors must be within their bounds, and the bounds must meet the tolerance.
 #[test]
-fn errors_of_the_automatic_choice_are_within_their_bounds() {
+fn errors_of_auto_are_within_their_error_bounds() {
     for (seed, tolerance) in [(71, 1e-1), (72, 1e-2), (73, 1e-3), (74, 1e-4)] {
         let tried = check_error_bounds(real_screws(seed), tolerance);
         println!("tolerance {tolerance}: {tried:?}");

@@ -66,7 +66,7 @@ fn traction_agrees_with_raceway_control_for_rolling_balls() {
         }
     }
     assert!(tried > 150, "{tried}");
-    // In a larger sample of random screws, 98.6 % of the points agree.
+    // In a larger sample of random screws, both models agree at 98.6 % of the points.
     assert!(apart * 100 <= 3 * tried, "{apart} of {tried}");
 }
 
@@ -177,7 +177,7 @@ fn points_without_a_solution_report_the_correct_reason() {
             assert!(solution.efficiency().is_none());
         }
     }
-    // Friction holds any load, because F tanα = 1.
+    // Friction holds any load, because sin β = 0.71 is less than f D = 1.08.
     let locked = with_friction(0.5, lin(64.0, 45.0, 2000.0, 100.0));
     let solution = Elastic { at: locked }.solve(&mut ElasticWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
@@ -198,7 +198,7 @@ fn power_balance_holds_at_very_low_speed_with_saturated_friction() {
 /// If the branch of roots that begins at small inertia ends in a fold, another root may exist
 /// further along the curve. Above the largest inertia on the curve, there is no root.
 #[test]
-fn no_solution_exists_above_the_largest_inertia_on_the_curve() {
+fn no_solution_exists_above_the_largest_inertia_on_the_solution_curve() {
     let mut work = ElasticWorkspace::default();
     let (mut roots, mut most) = (0, 0.0);
     for step in 0..200 {
@@ -278,7 +278,7 @@ fn power_balance_holds_at_low_speed_with_saturated_friction() {
     }
 }
 
-/// An earlier version did not report that a tolerance cannot be met.
+/// An earlier version did not report that a tolerance could not be met.
 #[test]
 fn auto_reports_an_error_bound_above_the_tolerance_if_the_tolerance_is_unattainable() {
     let screw = lin(10.0, 45.0, 2000.0, 2113.0);

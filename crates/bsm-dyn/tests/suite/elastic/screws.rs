@@ -87,7 +87,8 @@ fn random_screws(seed: u64, ranges: Ranges) -> impl Iterator<Item = ElasticPoint
         };
         let pressure = rng.log_uniform(0.2e9, 5e9);
         let of_one_newton = screw.hertz().expect("an ellipse")[0].max_pressure(1.0);
-        // p_max ~ Q^{1/3}; Q cosα sinβ = F_a
+        // The maximum pressure is proportional to Q^{1/3}, and the normal load Q follows from Q
+        // cosα sinβ = F_a.
         let normal = (pressure / of_one_newton).powi(3);
         screw.point.load.axial =
             normal * screw.point.helix.lead_angle.cos() * screw.point.contact_angle.sin();
