@@ -484,7 +484,8 @@ impl Fit {
     fn exact_settings(&self, case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
         match &self.target {
             Target::Measured { output, .. } if of_inputs(output).is_none() => exact(case, settings),
-            // Without groove data, the case has no ball model to choose.
+            // If no ball model can be chosen because groove data is missing, the settings remain
+            // unchanged.
             _ => Ok(exact(case, settings).unwrap_or(*settings)),
         }
     }
@@ -553,7 +554,7 @@ impl Fit {
         let mut ends: Vec<_> = [low, high].into_iter().chain(jumps.iter().copied()).collect();
         ends.extend(roots.iter().map(|root| root.at));
         ends.sort_by(f64::total_cmp);
-        // A root may be at an end of the range.
+        // A root at an end of the range would otherwise occur twice in the list.
         ends.dedup();
         let mut kept = Vec::new();
         for part in ends.windows(2) {

@@ -127,8 +127,8 @@ impl ManufacturerNut {
         self.case.rated_rigidity_N_um.filter(|_| is_of_one)
     }
 
-    /// Returns the inputs that occur in the table, except for ratings, mass and stiffness of the nut,
-    /// which have separate columns.
+    /// Returns the inputs that occur in the table, except for the ratings, the mass and the
+    /// stiffness of the nut, which have separate columns.
     fn inputs(nuts: &[Self]) -> Vec<InputKey> {
         let separate =
             [InputKey::rated_dynamic_load_N, InputKey::rated_static_load_N, InputKey::nut_mass_kg];
@@ -224,7 +224,8 @@ pub struct ManufacturerRow {
     /// Values stated by the manufacturer, and values calculated for the same nut. If there is a
     /// requirement, the results on the axis sheet follow.
     pub numbers: Vec<ListNumber>,
-    /// Verdict by the rules of the axis sheet and the selection limits; `None` without a requirement.
+    /// Verdict according to the rules of the axis sheet and the selection limits; `None` without a
+    /// requirement.
     pub verdict: Option<Verdict>,
     /// Titles of the violated rules and labels of the violated selection limits.
     pub failed_rules: Vec<&'static str>,

@@ -142,7 +142,7 @@ fn warns_about_residuals_that_depend_on_an_input() {
     let case = Case::from_json(DRY).expect("an example");
     let warnings = fit.answer(&case, &report).warnings;
     assert!(
-        warnings.iter().any(|text| text.contains("systematic along axial_load_N")),
+        warnings.iter().any(|text| text.contains("depend systematically on axial_load_N")),
         "{warnings:?}"
     );
 }
