@@ -10,7 +10,7 @@ const SMALL: &[u8] =
     br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
     "nut_conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
 
-/// Returns the columns of a list without a requirement.
+/// Returns the columns of a list of sizes for which no requirement is given.
 fn columns() -> Vec<ListColumn> {
     ListColumn::of_sizes(false)
 }
@@ -105,7 +105,7 @@ fn lands_of_every_catalog_nut_retain_its_balls() {
     assert!(bad.is_empty(), "{bad:?}");
 }
 
-/// The gap between balls and the axial play can be set by a single number each. A smaller gap
+/// The gap between balls and the axial play can each be set by a single number. A smaller gap
 /// requires larger pitch circles, and a play moves the arc centers closer together.
 #[test]
 fn ball_gap_and_axial_play_can_be_set() {
@@ -121,8 +121,8 @@ fn ball_gap_and_axial_play_can_be_set() {
     assert!(tight.iter().all(|nut| nut.nut.ball_gap() <= 0.0201 * nut.nut.ball_diameter));
     let wide = with("largest_ball_gap_over_ball", 0.9);
     assert!(wide.iter().any(|nut| nut.nut.ball_gap() > 0.5 * nut.nut.ball_diameter));
-    // The turn with a pitch circle of 101.66 mm is as long as 31.99999 balls, which is treated as
-    // 32 balls without a gap.
+    // A turn with a pitch circle of 101.66 mm has room for 31.99999 balls. This number counts as 32
+    // balls without a gap.
     let full = usual.iter().map(|nut| nut.nut.ball_gap() / nut.nut.ball_diameter);
     assert!(full.clone().all(|gap| gap <= 0.1001), "{:?}", full.fold(0.0, f64::max));
     let loose = with("axial_play_um", 20.0);

@@ -6,7 +6,7 @@ use bsm_case::{AnalysisKind, INPUTS, Output, Quantity};
 
 const GLOSSARY: &str = include_str!("../../../../docs/glossary.md");
 
-/// Returns the names in a table cell in lower case, without text in brackets.
+/// Returns the names in a table cell in lower case, without text in parentheses.
 fn names_in_cell(cell: &str) -> Vec<String> {
     let outside: String = cell
         .split('(')

@@ -21,9 +21,9 @@ fn solve_cases_in_folder(folder: &str) -> Vec<(String, Solution)> {
     fs::read_dir(folder).expect("cases").map(answer).collect()
 }
 
-/// The points were found in runs with extreme inputs. They had no result, had a power balance that
-/// rounding errors dominated, or had no solution although points at lower and higher speeds were
-/// solved.
+/// Runs with extreme inputs found these points. Earlier versions gave no result for them, gave a
+/// power balance that was dominated by rounding errors, or found no solution although points at
+/// lower and higher speeds were solved.
 #[test]
 fn points_that_failed_in_earlier_versions_are_solved() {
     let answers = solve_cases_in_folder("solved");

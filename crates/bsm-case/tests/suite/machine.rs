@@ -91,8 +91,8 @@ fn nut_length_and_overrun_determine_thread_length_and_critical_speed() {
     }
 }
 
-/// The order of a nut pair contains both nuts and a thread that is long enough for both. The longer
-/// thread makes the screw heavier.
+/// The order data of a nut pair contain both nuts and a thread that is long enough for both nuts.
+/// The longer thread makes the screw heavier.
 #[test]
 fn ordering_data_of_a_nut_pair_include_both_nuts_and_the_thread() {
     let single = json!({"lead_mm": 10, "loaded_turns": 5, "stroke_mm": 700, "feed_m_min": 20});

@@ -57,7 +57,7 @@ fn axis(more: &Value) -> Value {
 
 /// The expected values were calculated independently of the program. All outputs agree to 1e-6.
 #[test]
-fn results_for_motion_and_stopping_and_motor_and_life_match_independent_values() {
+fn axis_results_match_independent_values() {
     let cases: Vec<Value> = serde_json::from_str(include_str!("motion.json")).expect("cases");
     assert_eq!(cases.len(), 23);
     for case in &cases {
@@ -404,8 +404,8 @@ fn axial_load_acts_at_rest_only_if_specified_as_hold_force() {
     assert!(says(&holding, "12000 N acts at rest") && !says(&holding, "only during motion"));
 }
 
-/// A free end means that nothing may guide the load, as in a jack, for which the buckling load is a
-/// sixteenth of the load with a guided table.
+/// If one end of the screw is free, the load may be unguided, as in a jack. The buckling load of a
+/// jack is a sixteenth of the buckling load with a guided table.
 #[test]
 fn buckling_rule_is_undecided_for_a_free_end_unless_buckling_support_is_given() {
     let jack = |load: f64, buckling: &str| {
@@ -421,7 +421,7 @@ fn buckling_rule_is_undecided_for_a_free_end_unless_buckling_support_is_given() 
         let rule = rules.iter().find(|rule| rule.title == "buckling").expect("a rule").clone();
         (rule.verdict(), rule.remedy.unwrap_or_default())
     };
-    // Euler load of the jack: 0.25 pi^2 E I/l^2 = 2.56 kN; with a guided nut, 41 kN.
+    // The Euler load of the jack is 0.25 pi^2 E I/l^2 = 2.56 kN. With a guided nut, it is 41 kN.
     assert_eq!(jack(12e3, "fixed-fixed").0, Verdict::Passes);
     assert_eq!(jack(12e3, "fixed-free").0, Verdict::Fails);
     let (verdict, remedy) = jack(12e3, "");

@@ -199,8 +199,9 @@ fn preload_torque_matches_the_thk_catalog() {
 const FEED_AXIS: &str =
     include_str!("../../../../validation/published/manufacturers/machining_center.json");
 
-/// If the groove is given in addition to the ratings, it must match the rated nut. A ratio of 1.7
-/// between the ratings causes a warning. A ratio of 2.1 is rejected unless the user confirms it.
+/// If the groove is given in addition to the ratings, it must match the rated nut. If the
+/// calculated and the given rating differ by a factor of 1.7, there is a warning. A factor of 2.1
+/// is rejected unless the user confirms the ratings.
 #[test]
 fn contradiction_between_ratings_and_groove_is_reported() {
     let groove = include_str!("../../../../examples/axis.json");
@@ -257,7 +258,7 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     }
 }
 
-/// A test by a stranger found rows of a list that failed without naming the failed rule.
+/// A usability test found that a list did not name the rules that its rows failed.
 #[test]
 fn failing_table_rows_name_the_failed_rules() {
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
@@ -283,9 +284,9 @@ weak,40,20,12000,7000,34\nstrong,50,20,80000,150000,44";
     assert_eq!(answer.to_json()[1]["failed_rules"], json!(["static safety", "life"]));
 }
 
-/// A test by a stranger found that the column stiffness_N_um of a table had no effect on the axis.
-/// Tables state the stiffness at 0.3 of the dynamic load rating, so K (F/0.3 C_a)^(1/3) times 0.8
-/// is the stiffness of the nut.
+/// A usability test found that the column `stiffness_N_um` of a table had no effect on the axis.
+/// Tables state the stiffness at 0.3 of the dynamic load rating, so the stiffness of the nut is 0.8
+/// K (F/0.3 C_a)^(1/3).
 #[test]
 fn axis_stiffness_includes_the_nut_stiffness_from_a_manufacturer_table() {
     let catalog = Catalog::standard().expect("compiled in");
@@ -326,8 +327,8 @@ fn axis_stiffness_includes_the_nut_stiffness_from_a_manufacturer_table() {
     assert_eq!(stiffness(&by_input).to_bits(), stiffness(&stated).to_bits());
 }
 
-/// A test by a stranger found that the remedy for a motor torque did not state the permitted load,
-/// but recommended less acceleration for an axis without acceleration.
+/// A usability test found that the remedy for a motor torque did not state the permitted load, but
+/// recommended less acceleration for an axis without acceleration.
 #[test]
 fn remedy_for_excessive_motor_torque_states_the_permitted_load() {
     let lift = r#"{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 13000, "estimate_groove": false,
@@ -337,7 +338,7 @@ fn remedy_for_excessive_motor_torque_states_the_permitted_load() {
         let found = report.answer.rules.iter().find(|rule| rule.title == title).cloned();
         found.expect("a rule")
     };
-    // Torque h F/0.9 + 0.1 N m with h = lead / (2 pi).
+    // The torque is h F/0.9 + 0.1 N m, with h = lead / (2 pi).
     let most = ((1.9 - 0.1) * 0.9 * TAU / 5e-3).floor();
     for (limit, title) in [
         ("motor_peak_torque_Nm=1.9", "peak torque of the motor"),
@@ -601,9 +602,10 @@ fn life_of_a_transfer_axis_matches_the_thk_catalog() {
     assert_relative_eq!(hours, 170_285.0, max_relative = 1e-5);
 }
 
-/// A test by a stranger found that F_m was labeled as the constant load with the same life,
-/// although both flanks carried load. Hand calculation: half of all revolutions are under 3 kN, the
-/// other half under -2 kN, so the equivalent loads are 3 kN and 2 kN divided by the cube root of 2.
+/// A usability test found that the label of F_m described it as the constant load with the same
+/// life, although both flanks carried load. Hand calculation: half of all revolutions are under 3
+/// kN, the other half under -2 kN, so the equivalent loads are 3 kN and 2 kN divided by the cube
+/// root of 2.
 #[test]
 fn life_follows_from_the_equivalent_loads_of_both_flanks() {
     let cycle = |second: f64| {
@@ -630,9 +632,9 @@ fn life_follows_from_the_equivalent_loads_of_both_flanks() {
     assert_relative_eq!(life(&one_flank), of(number(&one_flank, names[0])), max_relative = 1e-12);
 }
 
-/// A test by a stranger found that the sheet stated the torque of lowering, because lowering has the
-/// same load as lifting and comes later in the cycle, and that the torque of a press was negative,
-/// because its feed is negative.
+/// A usability test found two errors. The axis sheet stated the torque for lowering instead of
+/// lifting, because both have the same load and lowering comes later in the cycle. The torque of a
+/// press was negative, because its feed is negative.
 #[test]
 fn axis_sheet_states_the_largest_of_the_screw_torques_at_the_largest_load() {
     let cycle = |phases: &str| {
@@ -646,7 +648,7 @@ fn axis_sheet_states_the_largest_of_the_screw_torques_at_the_largest_load() {
     let lower = r#"{"time_s": 1, "feed_m_min": -18, "force_N": 98}"#;
     for phases in [[lift, lower], [lower, lift]] {
         let report = cycle(&phases.join(","));
-        // h F/0.9 with h = lead / (2 pi), and the torque of the seals.
+        // The torque is h F/0.9, with h = lead / (2 pi), plus the torque of the seals.
         let torque = 98.0 * 5e-3 / TAU / 0.9 + 0.15;
         assert_relative_eq!(number(&report, "screw_torque_Nm"), torque, max_relative = 1e-12);
         let efficiency = report.phases.iter().filter_map(|p| p.number(output!(screw_efficiency)));

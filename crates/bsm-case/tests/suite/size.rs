@@ -197,9 +197,9 @@ fn screw_torque_is_the_sum_of_the_listed_torques() {
     }
 }
 
-/// The sheet answers each of these frequent questions in one line: which torque to measure (THK
-/// BNFN4010-5, A-689: 0.865 N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and whether
-/// the load falls.
+/// The axis sheet answers each of three frequent questions in one line: which torque to measure
+/// (THK BNFN4010-5, A-689: 0.865 N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and
+/// whether the load falls.
 #[test]
 fn axis_sheet_states_preload_torque_and_temperature_and_whether_the_load_back_drives() {
     const NUT: [&str; 9] = [
@@ -218,8 +218,8 @@ fn axis_sheet_states_preload_torque_and_temperature_and_whether_the_load_back_dr
         report.answer.notes.iter().find(|note| note.contains(words)).cloned()
     };
     let level = with(&["stroke_mm=1100", "unsupported_length_mm=1320"]);
-    // The torque is the product of 0.05/sqrt(tan), with tan = 10/(pi 41.75) to six digits, the
-    // preload of 3000 N and the lead of 10 mm per turn.
+    // The torque is 0.05/sqrt(tan) times the preload of 3000 N times the lead of 10 mm, divided by
+    // 2 pi, with tan = 10/(pi 41.75). The expected value has six digits.
     near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
     let measure =
         note(&level, "According to the manufacturers' rule, a measurement").expect("a preload");
@@ -280,7 +280,7 @@ fn axis_sheet_states_preload_torque_and_temperature_and_whether_the_load_back_dr
 /// screw, and the motor brakes with less torque than it needs for lifting. The holding torque is
 /// between these torques.
 #[test]
-fn a_vertical_axis_needs_less_torque_for_lowering() {
+fn vertical_axis_needs_less_torque_for_lowering_than_for_lifting() {
     let report = axis(&[
         "preload_N=1",
         "inclination_deg=90",
@@ -294,7 +294,8 @@ fn a_vertical_axis_needs_less_torque_for_lowering() {
     let (up, down, rest) = (torque(0), torque(1), torque(2));
     near(rest, weight * 20e-3 / TAU, 1e-9, "rest");
     assert!(up > rest && down < rest && down > 0.0, "{up} {down} {rest}");
-    // Load and speed have the same magnitude in both directions, and so does the friction.
+    // Load and speed have the same magnitude in both directions, so the friction torques are nearly
+    // equal.
     assert!(((up - rest) / (rest - down) - 1.0).abs() < 0.2, "{up} {down} {rest}");
     let holding = number(&report, "holding_torque_Nm");
     assert!(holding < rest && holding > down, "{holding} {down}");
@@ -474,7 +475,7 @@ fn command_select_accepts_only_nuts_that_pass_all_axis_checks() {
         )
     };
     // The weight increases the load from 10.05 kN to 14.9 kN.
-    assert!(best(&upright) > 1.1 * best(&level), "the weight has no part in the choice");
+    assert!(best(&upright) > 1.1 * best(&level), "the weight does not affect the choice");
 }
 
 /// Returns a generator of random numbers between two bounds. The numbers are uniformly distributed
@@ -667,7 +668,7 @@ fn axis_sheet_of_the_selected_screw_states_the_required_life() {
     let torque = requirement(
         r#"{"screw_torque_Nm": 20, "moved_mass_kg": 50, "stroke_mm": 700, "feed_m_min": 15, "friction_coefficient": 0.05}"#,
     );
-    let torque = torque.expect_err("a mass beside the torque of all").to_string();
+    let torque = torque.expect_err("a mass in addition to the total torque").to_string();
     assert!(torque.contains("moved_mass_kg"), "{torque}");
 }
 
@@ -767,9 +768,8 @@ fn manufacturer_tables_are_read_with_catalog_column_names_or_program_column_name
     }
 }
 
-/// Each result only needs its own inputs, the buckling rule names its end conditions, and the axial
-/// play is a part of the lost motion. The comments show how the expected values were calculated by
-/// hand. The values in the file have twelve digits, of which six are compared.
+/// Each result needs only the inputs on which it depends. The comments show how the expected values
+/// were calculated by hand. Six digits are compared.
 #[test]
 fn each_result_requires_only_the_inputs_on_which_it_depends() {
     let sheet = |case: &str| {
