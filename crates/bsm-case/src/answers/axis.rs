@@ -326,8 +326,8 @@ impl PhaseResult<'_> {
         speed * self.worked.machine.advance() * 60.0
     }
 
-    /// Returns the value at the start or the end of the phase, whichever has the larger magnitude,
-    /// with its sign.
+    /// Returns the value at the start or at the end of the phase, whichever is larger in magnitude.
+    /// The value keeps its sign.
     fn largest(&self, number: impl Fn(&Torques) -> Option<f64>) -> Option<f64> {
         let [start, end] = self.torques.ends.each_ref().map(number);
         let (start, end) = (start?, end?);
@@ -664,8 +664,8 @@ pub(crate) fn numbers(
     if case.entries.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(case, settings, work)?
-        // The axis sheet counts a torque against the load as positive, so the two signs agree only
-        // for a positive load.
+        // On the axis sheet, the torque is positive if it acts against the load. `torque_parts`
+        // gives the same sign only for a positive load.
         && torque.number(output!(screw_load_N)).is_some_and(|load| load > 0.0)
     {
         return Ok(torque.numbers);
@@ -707,11 +707,11 @@ fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -
 }
 
 number_tables! {
-    /// Numbers of an axis.
+    /// Results for an axis.
     pub(crate) AxisNumbers = QUANTITIES.iter();
     /// Inputs and results of a screw.
     pub(crate) ScrewNumbers = SCREW.iter();
-    /// Numbers of a phase of the cycle.
+    /// Results for a phase of the cycle.
     pub(crate) PhaseNumbers = PHASE.iter().chain(TORQUES), shown [
         "time_share",
         "screw_load_N",
@@ -753,7 +753,7 @@ answer! {
     /// Members of the axis sheet that follow the members of the warm state.
     pub(crate) struct AxisRemarks {
         screw: NumbersOf<ScrewNumbers>;
-        /// Effects that the numbers neglect.
+        /// Effects that the results neglect.
         not_modeled: Sentences;
     }
 }

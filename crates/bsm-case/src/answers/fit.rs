@@ -499,7 +499,7 @@ impl Fit {
         }
     }
 
-    /// Searches the search range of the input for a case with a single groove.
+    /// Finds the values of the input that satisfy the condition, for a case with a single groove.
     fn search(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut case = case.clone();
         case.set(self.input.name(), self.range.0)?;

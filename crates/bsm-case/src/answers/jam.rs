@@ -25,7 +25,7 @@ use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{Answer, Case, CaseError, InputKey, output};
 
 number_tables! {
-    /// Numbers of a jamming analysis.
+    /// Results of a jamming analysis.
     pub(crate) JamNumbers = QUANTITIES.iter();
 }
 

@@ -483,9 +483,9 @@ pub(crate) struct NutVectors {
 }
 
 number_tables! {
-    /// Numbers of a nut.
+    /// Results for a nut.
     pub(crate) NutNumbers = QUANTITIES.iter();
-    /// Numbers of a circuit.
+    /// Results for a circuit.
     pub(crate) CircuitNumbers = CIRCUITS.iter();
 }
 

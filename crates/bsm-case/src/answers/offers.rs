@@ -32,9 +32,9 @@ row! {
 }
 
 row! {
-    /// A number of both offers.
+    /// A result of both offers.
     pub(crate) struct OfferedNumber {
-        /// Name of the number.
+        /// Name of the result.
         number: &'static str;
         [skip] label: &'static str = "number";
         [skip] unit: &'static str = "unit";
@@ -68,8 +68,8 @@ answer! {
     }
 }
 
-/// Numbers for which a smaller value is better. A larger value is better for the other numbers of
-/// [`sheet_columns`], except for the numbers in [`NEITHER`].
+/// Results for which a smaller value is better. A larger value is better for the other results of
+/// [`sheet_columns`], except for the results in [`NEITHER`].
 const SMALLER: [&str; 6] = [
     "critical_speed_ratio",
     "peak_motor_torque_Nm",
@@ -78,7 +78,7 @@ const SMALLER: [&str; 6] = [
     "mass_of_nut_and_screw_kg",
     "inertia_of_screw_kg_m2",
 ];
-/// Numbers for which neither a smaller nor a larger value is better.
+/// Results for which neither a smaller nor a larger value is better.
 const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
 
 /// Returns the name of the better offer, `first` or `second`. Returns `None` if the values are

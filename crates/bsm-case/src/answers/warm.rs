@@ -62,7 +62,7 @@ fn state(warm: &Warm) -> Option<&WarmState> {
 }
 
 number_tables! {
-    /// Numbers of a warm state.
+    /// Results for a warm state.
     pub(crate) WarmNumbers = QUANTITIES.iter();
 }
 
@@ -88,7 +88,7 @@ row! {
 }
 
 row! {
-    /// Uncertainty band of a number.
+    /// Uncertainty band of a result.
     pub(crate) struct BandRow {
         [skip] name: String = "number, phase";
         low: Option<f64> = "low";

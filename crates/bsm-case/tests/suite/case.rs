@@ -30,7 +30,7 @@ fn error_text(json: &str) -> String {
 /// suggest the input `seal_torque_Nm`, whose name is similar to `screw_torque_Nm` but has another
 /// meaning.
 #[test]
-fn error_for_a_result_given_as_an_input_does_not_suggest_an_input_of_similar_spelling() {
+fn result_given_as_an_input_is_not_mistaken_for_an_input_of_similar_spelling() {
     let text = error_text(r#"{"screw_torque_Nm": 2}"#);
     assert!(
         text.contains("`screw_torque_Nm` is a result, not an input; `bsm fit --measured"),
@@ -304,7 +304,7 @@ fn settings_add_and_replace_inputs_of_a_case() {
 }
 
 #[test]
-fn overriding_inputs_with_numbers_or_with_text_settings_gives_the_same_case() {
+fn overriding_inputs_by_a_case_or_by_numbers_gives_the_same_case() {
     let base = case(LIN);
     let numbers = [
         (InputKey::lead_mm, 12.0),

@@ -22,7 +22,7 @@ fn all_nuts(catalog: &Catalog) -> Vec<Candidate> {
 /// The catalog contains the published rows with the printed values, rounded to newtons, millimeters
 /// and percent (as in `bsm validate`). More than 50 000 standard nuts meet the limits.
 #[test]
-fn the_catalog_contains_the_published_nuts() {
+fn catalog_contains_the_published_nuts() {
     let all = all_nuts(&Catalog::from_json(SMALL).expect("lists"));
     let has = |conditions: &[&str]| {
         let conditions: Vec<_> = conditions

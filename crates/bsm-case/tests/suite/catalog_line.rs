@@ -131,7 +131,7 @@ fn specified_input_replaces_its_estimate() {
 /// The intervals agree within 1 % with the intervals of an independent implementation for the same
 /// 128 grooves (`validation/published/groove/public.json`).
 #[test]
-fn intervals_match_independent_implementation() {
+fn intervals_from_catalog_data_match_an_independent_implementation() {
     // The torque without friction is the product of load and lead, divided by 2 pi.
     let ideal = [1353.3 * 0.005, 5130.0 * 0.02].map(|work| work / std::f64::consts::TAU);
     for (text, ideal, [low, high], [least, most]) in [

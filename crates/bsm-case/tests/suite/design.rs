@@ -299,7 +299,7 @@ fn error_of_a_fit_states_the_reachable_range() {
 /// The conformity in Sobolewski's tables is outside the range of Lin's step 6. A requirement can
 /// widen this range.
 #[test]
-fn requirement_can_widen_the_permitted_ranges_of_the_design_procedure_of_lin() {
+fn requirement_can_widen_the_ranges_permitted_by_lin() {
     let tables = ["nut_conformity=0.53", "required_life_h=3000"];
     let narrow = DesignReport::of(&requirement(&tables).expect("a requirement"));
     let blocks = |r: &String| r.contains("ball radius / groove radius");
@@ -460,7 +460,7 @@ fn no_screw_longer_than_the_listed_lengths_is_selected() {
 /// A usability test found that the order data stated a nominal diameter of 16 mm for the chosen
 /// size 15 x 10 mm, because 16 mm is closer to the pitch circle diameter of 15.75 mm.
 #[test]
-fn selected_case_and_ordering_designation_have_the_nominal_diameter_of_the_chosen_catalog_row() {
+fn selected_case_and_order_data_state_the_nominal_diameter_of_the_catalog_size() {
     let catalog = Catalog::manufacturers().expect("compiled in");
     let json = br#"{"moved_mass_kg":7,"inclination_deg":90,"stroke_mm":1100,"required_life_h":2000,"objective":"mass",
         "support":"fixed-supported","cycle":[{"time_s":1,"feed_mm_s":100},{"time_s":1,"feed_mm_s":-100}]}"#;

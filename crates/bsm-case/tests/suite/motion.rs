@@ -152,7 +152,7 @@ fn motor_curve_replaces_motor_torques_and_limits_the_speed() {
         "in the order of increasing speed_rpm",
     );
     let report = solved(&axis(&json!({ "feed_m_min": 15, "motor_curve": curve })));
-    // Hand calculation: the mean speed is halfway between two rows.
+    // In the hand calculation, the mean speed is halfway between two rows of the motor curve.
     near(&report, "continuous_torque_at_mean_speed_Nm", 1.5);
     let ratio = report.number(output!(peak_motor_torque_Nm)).expect("a torque") / 3.0;
     near(&report, "peak_torque_utilization", ratio);
@@ -275,7 +275,7 @@ fn error_states_what_is_wrong_with_a_cycle_entry() {
 /// sum of 100 means percentages, and other sums above 1 are rejected. Results per cycle require
 /// durations instead of time shares.
 #[test]
-fn axis_is_at_standstill_in_time_not_covered_by_the_time_shares() {
+fn axis_is_at_standstill_in_the_time_that_the_shares_do_not_cover() {
     let of = |shares: [f64; 2]| {
         let phase = |share: f64, feed: f64| json!({ "share": share, "feed_m_min": feed });
         report(&axis(&json!({ "cycle": [phase(shares[0], 6.0), phase(shares[1], -6.0)] })))

@@ -70,7 +70,8 @@ fn four_catalog_values_suffice_for_an_axis_sheet() {
         );
     }
     assert!(has_note(&report, "smallest core diameter in manufacturers' lists"));
-    // For a size that is not listed, the core diameter is estimated by a rule as 0.84 of 41 mm.
+    // For a size that is not listed, the core diameter is estimated as 0.84 times the nominal
+    // diameter of 41 mm.
     let unlisted = sheet(FOUR, &["nominal_diameter_mm=41"]).expect("a sheet");
     assert_relative_eq!(number(&unlisted, "shaft_diameter_mm"), 34.44, max_relative = 1e-12);
     // If the load drives the screw, the default efficiency is 0.8. Given efficiencies take
@@ -500,8 +501,8 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
     let report = AxisReport::of(&case, &settings).expect("a sheet");
     let ratio =
         |report: &AxisReport| report.phases[0].number(output!(viscosity_ratio)).expect("oil");
-    // The radius along the helix is larger by sin²α, about 1 %, and the film thickness depends on
-    // it with an exponent of at most 0.02.
+    // The radius of curvature along the helix is larger than R_x by sin²α, which is about 1 %. The
+    // film thickness is proportional to this radius raised to an exponent of at most 0.02.
     assert_relative_eq!(ratio(&report), expected, max_relative = 3e-4);
     let film = number(&report, "modified_life_h");
     assert!(film > 0.0 && film < 50.0 * number(&report, "cycle_life_h"), "{film}");

@@ -803,7 +803,7 @@ fn each_result_requires_only_the_inputs_on_which_it_depends() {
         "The critical speed is not calculated, because inputs are missing: ",
     );
     let buckling =
-        ("buckling_safety", "The buckling is not calculated, because inputs are missing: ");
+        ("buckling_safety", "The buckling safety is not calculated, because inputs are missing: ");
     // At an efficiency of 0.9, the screw torque is F h/0.9, with h = lead / (2 pi).
     let torque = sheet(r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500}"#);
     close(&torque, "screw_torque_Nm", 2.497_512_153_387_48);

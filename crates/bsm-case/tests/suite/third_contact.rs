@@ -252,8 +252,7 @@ fn axis_sheet_states_third_contacts_and_drag_in_both_directions() {
         [&with, &wide].map(|report| of(report, "running_preload_torque_factor"));
     assert!(running > 1.4 * of_two && running < rule, "{running} {of_two} {rule}");
     assert!(of(&with, "running_preload_N") < of(&wide, "running_preload_N"));
-    // Without load, reversing the direction only exchanges the roles of the balls in two equal
-    // nuts.
+    // Without load, reversing the direction only exchanges the roles of the two equal nuts.
     for name in ["preload_torque", "running_preload_torque"] {
         let there = of(&with, &format!("{name}_Nm"));
         let back = of(&with, &format!("{name}_reverse_Nm"));

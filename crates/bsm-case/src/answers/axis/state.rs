@@ -399,8 +399,9 @@ impl<'a> AxisState<'a> {
         self.heaviest_phase().map(PhaseTorques::heavier)
     }
 
-    /// Returns the largest torque at the screw among the ends of the phases in motion that have the
-    /// largest load \[N·m\]. It is positive if it acts against the load.
+    /// Returns the largest torque at the screw \[N·m\] at the largest load. All starts and ends of
+    /// phases with motion that have this load are considered. It is positive if it acts against the
+    /// load.
     pub(super) fn torque_at_largest_load(&self) -> Option<f64> {
         let largest = self.heaviest()?.point;
         let moving = self.torques.iter().filter(|torques| torques.phase.moves());
