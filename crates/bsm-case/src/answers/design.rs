@@ -166,7 +166,7 @@ impl DesignReport {
         let design = Design::of(&requirement.problem, design.nut, Some(&of_sheet));
         let order = sheet.as_ref().map(|sheet| sheet.order.to_string());
         let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
-        // The order data is always accompanied by the warnings of the `axis` command.
+        // The order data are always accompanied by the warnings of the `axis` command.
         let texts = of_axis.iter().map(|warning| warning.text.clone());
         let mut warnings = if has_sheet { texts.collect() } else { case.warnings() };
         let best = design.value(DesignQuantity::BestContactAngle) / DEG;

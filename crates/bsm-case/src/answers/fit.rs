@@ -604,7 +604,7 @@ impl Fit {
         match (&self.target, &report.found[..], report.reachable) {
             (_, _, None) => {
                 format!(
-                    "{what} has no value with {input} from {low} to {high}: an input that {what} needs is missing, or no value in this range has a result"
+                    "{what} cannot be calculated with {input} from {low} to {high}: an input that {what} requires is missing, or there is no solution in this range"
                 )
             }
             (Target::Limit { rule }, ..) => {

@@ -77,8 +77,8 @@ impl Case {
         }
         let mut line = self.without_estimates();
         let estimate = line.groove_estimate().ok()??;
-        // The length of the nut is estimated from the best groove. It is the same for all possible
-        // grooves, so that the lengths of the axis have no intervals.
+        // The nut length is estimated from the best groove. The same nut length is used for all
+        // possible grooves, so that the lengths on the axis sheet have no intervals.
         line.nut_length_mm = line.nut_length_mm.or_else(|| usual_nut_length_mm(self));
         Some((line, estimate))
     }

@@ -365,7 +365,7 @@ impl ManufacturerRow {
         let sheet = sheet.answer;
         row.numbers.extend(numbers_of(&sheet, sheet_columns()));
         // The first note describes the groove estimate, and the notes of the axis sheet follow.
-        // Only the notes after these concern the uncertainty of the estimated groove.
+        // Both are skipped. The remaining notes concern the uncertainty of the estimated groove.
         for note in sheet.notes.into_iter().skip(1 + own_notes) {
             if !row.notes.contains(&note) {
                 row.notes.push(note);

@@ -276,7 +276,7 @@ fn torque_interval_follows_from_catalog_efficiency_range_if_friction_is_missing(
         max_relative = 1e-12
     );
     let band = report.answer.band("screw_torque_Nm").expect("an interval");
-    // The tolerance is the distance between two draws, 1/32 of the range.
+    // The tolerance is the distance between neighboring draws, 1/32 of the range.
     assert!((ideal / band.high - 0.855).abs() < 0.1 / 32.0, "{band:?}");
     assert!((ideal / band.low - 0.945).abs() < 0.1 / 32.0, "{band:?}");
     line.apply(&["catalog_efficiency=0.9", "catalog_back_efficiency=0.8"]).expect("inputs");
@@ -747,7 +747,7 @@ fn estimated_nut_length_fits_the_turns_of_the_estimated_groove() {
     assert!(order.contains("single nut, length 53 mm, thread 563 mm, "), "{order}");
     let long = sheet(&["unsupported_length_mm=700"]).order.to_string();
     assert!(long.contains("length between bearings 700 mm, "), "{long}");
-    // The ratings contain the same nut length.
+    // `ratings` gives the same nut length as the axis sheet.
     let nut = ratings(&case(line, &[]).with_groove().expect("a groove")).expect("ratings");
     assert_eq!(nut.number(output!(nut_length_mm)), Some(length));
 }

@@ -321,8 +321,8 @@ fn axis_stiffness_includes_the_nut_stiffness_from_a_manufacturer_table() {
     assert!(
         stiffness(&estimated) > stiffness(&stated) && estimated.value("stiffness_N_um").is_none()
     );
-    // The input names `rated_rigidity_N_um` and `rated_rigidity_at` are equivalent to the
-    // manufacturer column.
+    // The inputs `rated_rigidity_N_um` and `rated_rigidity_at` are equivalent to the column
+    // `stiffness_N_um`.
     let by_input = row(",rated_rigidity_N_um,rated_rigidity_at", ",490,0.3 Ca");
     assert_eq!(by_input.value("stiffness_N_um"), Some(490.0));
     assert_eq!(stiffness(&by_input).to_bits(), stiffness(&stated).to_bits());

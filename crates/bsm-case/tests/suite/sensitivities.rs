@@ -190,8 +190,8 @@ fn check_derivatives(case: &Case, settings: &Settings) -> Result<(), TestCaseErr
     let (Some(found), Some(numbers)) = (found, numbers) else {
         return Err(TestCaseError::reject("no solution"));
     };
-    // The results calculated together with the derivatives equal the results of a plain solve,
-    // apart from rounding errors.
+    // The results calculated together with the derivatives equal the results calculated without
+    // derivatives, apart from rounding errors.
     let torque = |o: Option<f64>| o.expect("a torque");
     let eta = numbers.efficiency;
     let (rounding, step, apart) = tolerances(settings.model);

@@ -236,7 +236,8 @@ fn axis_sheet_states_preload_torque_and_temperature_and_whether_the_load_back_dr
     let ungraded = ungraded.expect("a preload");
     assert!(ungraded.contains("the tolerance follows from accuracy_grade"), "{ungraded}");
 
-    // No load acts on a horizontal axis at rest, because its only load is the process force.
+    // No load acts on a horizontal axis at rest, because its only load is the process force, which
+    // acts only during motion.
     assert!(note(&level, "No force acts at rest").is_some());
 
     // The temperature has an uncertainty band. The time constant is the heat capacity of the screw

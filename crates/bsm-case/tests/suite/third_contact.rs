@@ -113,7 +113,7 @@ fn radial_gap_counts_as_play() {
     // A radial gap moves the far flanks away from the ball, as an axial play does.
     let gaps = [0.0, 3.0, 6.0, 9.0].map(|gap| torque(&[&format!("radial_gap_um={gap}")]));
     assert!(gaps.windows(2).all(|pair| pair[1] < pair[0]), "{gaps:?}");
-    // Balls with two contacts roll at the contact angle of their first touch.
+    // Balls with two contacts roll at the contact angle at which they first touch the grooves.
     let (l, gap) = (6.35 * (2.0 * 0.53 - 1.0), 0.09);
     let angle = (45_f64.to_radians().cos() - gap / l).acos().to_degrees();
     let wide = torque(&["radial_gap_um=90"]);

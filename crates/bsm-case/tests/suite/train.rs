@@ -132,7 +132,8 @@ fn torque_matches_sum_over_individually_solved_balls_if_the_balls_do_not_touch()
         assert!((a - b).abs() <= 1e-9 * b, "{name}: {a} {b}");
     }
     assert!(without.number(output!(max_push_N)).is_none());
-    // The torque of assumed ball-to-ball contacts is only a bound if the gap is unknown.
+    // The bound for the torque of assumed ball-to-ball contacts is 0 for a sufficient gap, and
+    // positive for an unknown gap.
     assert_eq!(with.number(output!(ball_contact_band_Nm)), Some(0.0));
     assert!(number(&without, "ball_contact_band_Nm") > 0.0);
 }

@@ -283,7 +283,7 @@ impl AxisState<'_> {
             BackDriving::Turns => "The load at rest back-drives the screw; a brake is needed.",
             BackDriving::Undecided => "The load at rest may back-drive the screw; use a brake.",
             BackDriving::Holds => {
-                "Friction holds the load at rest, but vibration can release it, so friction is not a safety function."
+                "Friction holds the load at rest, but vibration can release the load, so do not rely on friction for safety."
             }
         };
         let brake = self.required_brake()?;

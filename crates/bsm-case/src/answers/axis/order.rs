@@ -65,7 +65,7 @@ impl AxisState<'_> {
         order.add("manufacturer", "", self.case.entries.manufacturer.clone());
         order.add("code", "", self.case.entries.order_code.clone());
         order.add("size", "", format!("{size} x {} {}", mm(screw.lead), in_mm.text));
-        // The order omits the ball diameter of an estimated groove.
+        // The order data do not contain the ball diameter of an estimated groove.
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
         if let Some((nut, _)) = given {
             let circuits = self.case.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
