@@ -231,7 +231,7 @@ pub struct ManufacturerRow {
     pub failed_rules: Vec<&'static str>,
     /// Warnings on the axis sheet of the nut.
     pub warnings: Vec<String>,
-    /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the
+    /// Description of the estimated ball, or `none` if no groove can be estimated. `None` if the
     /// groove is given.
     pub groove: Option<String>,
     /// Description of a contradiction between ratings and geometry, including the contradictory

@@ -226,7 +226,8 @@ fn catalogs_contain_common_sizes_with_typical_proportions() {
 
 /// The nut of THK's 50 x 50 mm screw with 7.2 turns has four circuits of 1.8 turns, one on each of
 /// four thread starts. The lead has room for all four circuits, and the case of the nut contains
-/// them. The nut used to be 510 mm long, because all turns were assumed to be on one thread.
+/// the numbers of starts and circuits. The nut used to be 510 mm long, because all turns were
+/// assumed to be on one thread.
 #[test]
 fn large_lead_nut_has_one_circuit_per_thread_start() {
     let manufacturers = Catalog::manufacturers().expect("compiled in");

@@ -33,9 +33,9 @@ fn points_that_failed_in_earlier_versions_are_solved() {
     }
 }
 
-/// A search from many random starting points found the solution of this point. The solver does not
-/// find it: the branch of states that begins at small inertia ends before this point, and other
-/// branches are not searched.
+/// The point in the folder `off_branch` has a solution, which was found by a search from many
+/// random starting points. The solver misses this solution: the branch of states that begins at
+/// small inertia ends before this point, and other branches are not searched.
 #[test]
 fn root_on_an_untraced_branch_is_missed_but_not_excluded_by_proof() {
     let answers = solve_cases_in_folder("off_branch");
@@ -46,8 +46,8 @@ fn root_on_an_untraced_branch_is_missed_but_not_excluded_by_proof() {
     }
 }
 
-/// At these points, the balls are pressed out of their groove, or friction moves them off their
-/// flank.
+/// At the points in the folder `no_solution`, the balls are pressed out of their grooves, or
+/// friction moves them off their flanks.
 #[test]
 fn balls_that_leave_their_flanks_have_no_solution() {
     let answers = solve_cases_in_folder("no_solution");

@@ -57,8 +57,8 @@ fn number(report: &AxisReport, name: &str) -> f64 {
     report.number(named(name)).or(screw).unwrap_or_else(|| panic!("no {name}"))
 }
 
-/// Compares all outputs with the expected values, within the relative tolerance of the reference.
-/// If the expected value is zero, the output must be missing or below 1e-9.
+/// Compares all outputs with the expected values, with a relative tolerance of 1e-6. If the
+/// expected value is zero, the output must be missing or below 1e-9.
 fn assert_matches_reference(report: &AxisReport, reference: &Value, skip: &[&str]) {
     let name = reference["name"].as_str().expect("a name");
     for (key, expected) in reference["expected"].as_object().expect("numbers") {
@@ -303,8 +303,8 @@ fn average_film_conductance_includes_standstill() {
     assert!(ratio("steady_temperature_rise_K") < 0.75, "{}", ratio("steady_temperature_rise_K"));
 }
 
-/// If the torques of seals and bearings are not given, they are named next to the heat. The upper
-/// bound of the temperature rise includes typical values of these torques.
+/// If the torques of seals and bearings are not given, these inputs are named next to the mean
+/// heat. The upper bound of the temperature rise includes typical values of the missing torques.
 #[test]
 fn axis_sheet_names_missing_heat_sources() {
     let reference = &reference_cases("thermal")[0];

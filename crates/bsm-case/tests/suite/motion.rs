@@ -184,8 +184,8 @@ fn phase_with_acceleration_is_converted_to_a_ramp() {
     assert!(report.answer.warnings.iter().all(|w| !w.contains("cycle")));
 }
 
-/// A cycle that is given as moves gives the same results as the same cycle given as ramps with
-/// their end speeds.
+/// A cycle of moves gives the same results as the equivalent cycle of ramps, which are given by
+/// their start and end speeds.
 #[test]
 fn moves_and_equivalent_ramps_give_equal_results() {
     let moves = json!([

@@ -458,9 +458,9 @@ fn life_is_modified_by_load_factors_and_lubricant() {
     assert!(both.to_string().contains("contamination_factor"), "{both}");
 }
 
-/// If groove and roughness are known, the viscosity ratio is the film thickness ratio at nut or
-/// screw, whichever is smaller, to the power of 1.3. The expected film thickness is calculated with
-/// the formulas of Hamrock and Dowson and the values of one ball.
+/// If groove and roughness are known, the viscosity ratio is the smaller of the film ratios at nut
+/// and screw, raised to the power of 1.3. The expected film thickness is calculated with the
+/// formulas of Hamrock and Dowson and the values of one ball.
 #[test]
 fn a_known_film_thickness_determines_the_viscosity_ratio() {
     let text = include_str!("../../../../validation/published/nut/feed_axis.json");

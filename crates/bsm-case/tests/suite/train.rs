@@ -26,8 +26,8 @@ fn number(report: &NutReport, name: &str) -> f64 {
     report.number(named(name)).unwrap_or_else(|| panic!("{name}"))
 }
 
-/// The tolerances in the file are relative: to the friction torque for torques, and to the largest
-/// push force for push forces.
+/// The tolerances of torques are relative to the friction torque, and the tolerance of the largest
+/// push force is relative to this force.
 #[test]
 fn ball_train_matches_reference_cases() {
     for reference in reference_cases() {

@@ -207,7 +207,8 @@ fn life_at_assembly_temperature_equals_the_life_without_a_warm_state() {
     assert!(lives(true, "cycle_life_revolutions") < cold, "a rising preload reduces the life");
 }
 
-/// The circuits of a nut can define its numbers of balls and turns.
+/// Columns of the warm state are also available if circuits define the numbers of balls and turns
+/// of the nut.
 #[test]
 fn warm_state_columns_are_available_for_a_nut_given_by_circuits() {
     let (case, _) = case("WS-P3", |_| {});
@@ -217,7 +218,8 @@ fn warm_state_columns_are_available_for_a_nut_given_by_circuits() {
     }
 }
 
-/// WS-P3 has no steady state above its fold. The rule states the speed ratio, 1166.55 of 1500 rpm.
+/// WS-P3 has no steady state above its fold. The rule states the ratio of the speed at the fold to
+/// the given speed, 1166.55 rpm / 1500 rpm.
 #[test]
 fn steady_state_rule_fails_above_the_thermal_fold() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
@@ -259,8 +261,8 @@ fn feed_axis(settings: &[&str]) -> Case {
     case
 }
 
-/// An output has the same value in the nut, the axis, the warm state, the columns of tables, and
-/// the torque of `bsm solve`.
+/// An output of the warm state has the same value in the results for the nut, for the axis and for
+/// the warm state, and in the torque of `bsm solve`.
 #[test]
 fn outputs_of_the_warm_state_are_equal_in_all_commands() {
     let case = feed_axis(&[]);
@@ -312,8 +314,8 @@ fn message_states_why_no_warm_state_exists() {
 }
 
 /// If the nut of WS-P5 turns faster and loses its preload, one ball after another loses contact,
-/// but a steady state always exists. In raceway control, the friction jumps at each of these
-/// points.
+/// but a steady state always exists. In raceway control, the friction jumps each time a ball loses
+/// contact.
 #[test]
 fn warm_states_exist_where_balls_lose_their_load() {
     let mut last = f64::INFINITY;
