@@ -53,7 +53,7 @@ fn too_large(push: &str, part: f64, of: &str) -> String {
 /// Returns a sentence that explains why the friction torque with push forces between the balls is
 /// missing.
 pub(super) fn not_pushed(why: &str) -> String {
-    format!("The friction torque with push forces between the balls is not calculated: {why}")
+    format!("The friction torque with push forces between the balls is not calculated: {why}.")
 }
 
 /// Returns true if the model calculates the free speeds of the balls, which determine the push
