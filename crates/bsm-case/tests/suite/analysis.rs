@@ -422,7 +422,7 @@ fn jamming_results_of_a_lubricated_ball_without_a_film_equal_those_of_a_dry_ball
 /// The contacts in motion, a stopped ball and surfaces without a film have different friction
 /// coefficients. A stopped ball slips at the speed of the screw groove.
 #[test]
-fn jamming_of_a_lubricated_ball_uses_local_friction_coefficients() {
+fn jamming_analysis_of_a_lubricated_ball_uses_local_friction_coefficients() {
     let oil = case(OIL, &RETURN);
     let solution = solved(&oil, &Model::Traction.into());
     let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");

@@ -75,7 +75,7 @@ fn displacement_at_small_load_matches_the_elastic_model() {
 /// be multiplied by the cosine of the lead angle, which reduces the displacement by 0.3 % and 4.4 %
 /// at the two leads.
 #[test]
-fn commands_solve_and_nut_report_the_same_axial_displacement() {
+fn solve_and_nut_commands_report_the_same_axial_displacement() {
     let settings: Settings = Model::RacewayControl.into();
     for lead in [10.0, 40.0] {
         let json = include_bytes!("../../../../examples/feed_drive.json");

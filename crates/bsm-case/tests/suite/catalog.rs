@@ -143,7 +143,7 @@ fn pareto_front_contains_no_dominated_nut() {
 }
 
 #[test]
-fn invalid_lists_are_rejected() {
+fn invalid_lists_and_conditions_are_rejected() {
     for (json, words) in [
         ("{\"led_mm\": [5]}", "did you mean `lead_mm`?"),
         ("{\"lead_mm\": 5}", "lead_mm"),

@@ -410,7 +410,7 @@ fn requirements_of_machine_builders() -> Vec<String> {
 /// `select` prints every warning that `axis` prints for the selected screw. A warning that states a
 /// selection limit occurs only if a requirement can permit this warning.
 #[test]
-fn command_select_prints_every_warning_of_command_axis() {
+fn select_command_prints_every_warning_of_the_axis_command() {
     let [own, standard] = [Catalog::manufacturers(), Catalog::standard()].map(Result::unwrap);
     let mut found = 0;
     for json in requirements_of_machine_builders() {

@@ -401,7 +401,7 @@ fn axis_sheet_and_warm_state_use_the_same_thermal_network() {
 /// For pairs, threads and driven nuts, `select` uses the same functions as `axis`, so the axis
 /// sheet of the selected screw contains the same values.
 #[test]
-fn commands_select_and_axis_agree_on_lengths_and_driven_part() {
+fn select_and_axis_commands_agree_on_lengths_and_driven_part() {
     let catalog = bsm_case::Catalog::standard().expect("compiled in");
     let requirement = br#"{"axial_load_N": 3000, "feed_m_min": 20, "stroke_mm": 700, "lead_mm": 10, "preload_N": 1450,
         "driven_part": "nut", "nut_gap_mm": 6, "overrun_mm": 15}"#;

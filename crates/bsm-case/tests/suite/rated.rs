@@ -637,7 +637,7 @@ fn life_follows_from_the_equivalent_loads_of_both_flanks() {
 /// lifting, because both have the same load and lowering comes later in the cycle. The torque of a
 /// press was negative, because its feed is negative.
 #[test]
-fn axis_sheet_states_the_largest_of_the_screw_torques_at_the_largest_load() {
+fn axis_sheet_states_the_largest_screw_torque_at_the_largest_load() {
     let cycle = |phases: &str| {
         let json = format!(
             r#"{{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 9000, "rated_static_load_N": 15000, "estimate_groove": false,

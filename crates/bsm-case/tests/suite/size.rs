@@ -443,7 +443,7 @@ fn assert_agrees_with_sheet(report: &DesignReport, model: Model, what: &str) {
 /// moved mass, guides, preload and cycle, but ignored them. Accepted screws therefore failed on
 /// their own axis sheet.
 #[test]
-fn command_select_accepts_only_nuts_that_pass_all_axis_checks() {
+fn select_command_accepts_only_nuts_that_pass_all_axis_rules() {
     let cycle = r#"cycle=[{"time_s":1,"force_N":9000,"feed_m_min":20},{"time_s":2,"force_N":-4000,"feed_m_min":-30},
         {"time_s":1,"force_N":12000},{"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":1}]"#;
     for settings in [
@@ -491,7 +491,7 @@ fn log_uniform_generator(seed: u64) -> impl FnMut(f64, f64) -> f64 {
 /// dry and lubricated nuts. The efficiency of an axis used to be 0.99181 in `select` and 0.99217 in
 /// `axis`, which used another model.
 #[test]
-fn commands_select_and_axis_and_nut_and_solve_give_equal_results() {
+fn all_commands_give_equal_values_for_shared_outputs() {
     let (mut draw, mut axes) = (log_uniform_generator(44), 0);
     let (catalog, rounds) = (Catalog::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {

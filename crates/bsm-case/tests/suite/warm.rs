@@ -233,7 +233,7 @@ fn steady_state_rule_fails_above_the_thermal_fold() {
 }
 
 #[test]
-fn contradictory_warm_inputs_are_rejected() {
+fn contradictory_inputs_of_the_warm_state_are_rejected() {
     let refused = |id: &str, change: &dyn Fn(&mut Value), words: &str| {
         let (case, _) = case(id, change);
         let why = AxisReport::of(&case, &settings()).expect_err(words).to_string();
