@@ -339,8 +339,7 @@ fn missing_lead_is_chosen_from_standard_leads() {
     assert!((mass(&free) / mass(&given) - 1.0).abs() < 1e-9);
     for other in ["lead_mm=8", "lead_mm=12", "lead_mm=16"] {
         let other = DesignReport::of(&requirement(&[other]).expect("a requirement"));
-        // The number of balls is an integer, so the screw with another lead can be slightly
-        // lighter.
+        // The number of balls is an integer, so a screw with another lead can be slightly lighter.
         assert!(!other.found || mass(&free) <= 1.01 * mass(&other), "lead {lead} mm");
     }
 }

@@ -78,7 +78,7 @@ fn assert_matches_reference(report: &AxisReport, reference: &Value, skip: &[&str
 }
 
 /// The lengths of nut set and thread determine the critical speed. This is tested for single nuts,
-/// for pairs and for a nut with lead offset.
+/// for nut pairs and for a nut with a lead offset.
 #[test]
 fn nut_length_and_overrun_determine_thread_length_and_critical_speed() {
     for reference in reference_cases("nut_length") {

@@ -122,7 +122,7 @@ fn rules_match_a_calculation_in_catalog_units() {
         near(number(&report, "axis_stiffness_N_um"), series, TIGHT, "axis");
         // The guide friction is 1 % of the weight of 500 kg and acts in both directions.
         near(number(&report, "lost_motion_um"), 2.0 * 49.033_25 / series, TIGHT, "lost motion");
-        // Two fixed bearings with a stiffness of 1 kN/um each prevent a part of the thermal
+        // Two fixed bearings, each with a stiffness of 1 kN/um, prevent a part of the thermal
         // expansion.
         let own = e * a / l / 1e3;
         let left = if support == "fixed-fixed" { 1.0 - 1.0 / (1.0 + own * 2e-3) } else { 1.0 };
