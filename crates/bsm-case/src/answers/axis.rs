@@ -326,8 +326,8 @@ impl PhaseResult<'_> {
         speed * self.worked.machine.advance() * 60.0
     }
 
-    /// Returns the value at the start or the end of the phase, whichever has the larger magnitude,
-    /// with its sign.
+    /// Returns the value at the start or at the end of the phase, whichever is larger in magnitude.
+    /// The value keeps its sign.
     fn largest(&self, number: impl Fn(&Torques) -> Option<f64>) -> Option<f64> {
         let [start, end] = self.torques.ends.each_ref().map(number);
         let (start, end) = (start?, end?);
@@ -492,7 +492,7 @@ impl AxisReport {
     #[must_use]
     pub(crate) fn over_grooves(mut self, answer: impl Fn(&Case) -> Option<Answer> + Sync) -> Self {
         self.answer = self.answer.over_grooves(&self.case, FEW_DRAWS, answer);
-        // An axis without a warm steady state has no phases.
+        // Without a warm steady state, the report has no phases, and its verdict is already final.
         if !self.phases.is_empty() {
             self.answer.fails = self.answer.rules.iter().any(Criterion::fails);
             self.answer = self.answer.with_verdict();
@@ -666,7 +666,8 @@ pub(crate) fn numbers(
     if case.entries.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(case, settings, work)?
-        // On a sheet, a positive torque acts against the load.
+        // On the axis sheet, the torque is positive if it acts against the load. `torque_parts`
+        // gives the same sign only for a positive load.
         && torque.number(output!(screw_load_N)).is_some_and(|load| load > 0.0)
     {
         return Ok(torque.numbers);
@@ -708,11 +709,11 @@ fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -
 }
 
 number_tables! {
-    /// Numbers of an axis.
+    /// Results for an axis.
     pub(crate) AxisNumbers = QUANTITIES.iter();
     /// Inputs and results of a screw.
     pub(crate) ScrewNumbers = SCREW.iter();
-    /// Numbers of a phase of the cycle.
+    /// Results for a phase of the cycle.
     pub(crate) PhaseNumbers = PHASE.iter().chain(TORQUES), shown [
         "time_share",
         "screw_load_N",
@@ -751,10 +752,10 @@ answer! {
 }
 
 answer! {
-    /// Sheet of an axis: members that follow the warm state.
+    /// Members of the axis sheet that follow the members of the warm state.
     pub(crate) struct AxisRemarks {
         screw: NumbersOf<ScrewNumbers>;
-        /// Effects that the numbers neglect.
+        /// Effects that the results neglect.
         not_modeled: Sentences;
     }
 }
@@ -806,7 +807,8 @@ fn no_balls(why: &CaseError) -> String {
 impl AxisState<'_> {
     fn phase(&self, place: usize) -> ScrewTorque {
         let torques = &self.torques[place];
-        // The last sample of a phase is the sample closest to the end of the phase.
+        // The nut is evaluated at the last sample of the phase, which is closest to the end of the
+        // phase.
         let samples = self.axis().phases[..=place].iter().map(|phase| phase.samples().len());
         let sample = samples.sum::<usize>() - 1;
         let nut = self.warm_state().and_then(|warm| warm.phases[sample].as_ref());
@@ -829,7 +831,7 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
         let what = "has no effect unless warm_state is given";
         return Err(bad(InputKey::fold_search_factor.name(), what));
     }
-    // The inputs in this list have an effect even without the thermal network.
+    // Inputs of the section "warm state" that have an effect even without the thermal network.
     let act = [
         InputKey::preload_temperature_C,
         InputKey::screw_tension_N,
@@ -851,8 +853,8 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
 /// Returns the case at the largest load and speed of the axis. The ratings are calculated for this
 /// case.
 fn at_largest(case: &Case, axis: &Axis) -> Case {
-    // The load already includes the forces on the moving mass, and a separate rule checks the warm
-    // preload.
+    // Carriage and temperature rises are removed, because the load already includes the forces on
+    // the moving mass, and because a separate rule checks the warm preload.
     let mut case = case.cold().without_carriage();
     let load = axis.largest_load();
     (case.axial_load_N, case.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);

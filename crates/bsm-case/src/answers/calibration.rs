@@ -122,9 +122,10 @@ impl MeasurementError {
 /// output.
 const ERROR: &str = "_error";
 
-/// Significance level of the runs test for residuals, divided by the number of inputs by which the
-/// points are sorted. Residuals are reported as systematic if random residuals have so few sign
-/// changes with a probability below this level.
+/// Significance level of the runs test for the residuals. The points are sorted by each varied
+/// input in turn, so the level is divided by the number of these inputs. Residuals are reported as
+/// systematic if the probability that random residuals have so few sign changes is below the
+/// resulting level.
 const SYSTEMATIC: f64 = 0.05;
 
 /// A fit of several inputs to measured values of one output.
@@ -330,8 +331,8 @@ impl Calibration {
         Ok(HeldInput { key, at: fitted[place], range, reachable })
     }
 
-    /// Returns a sentence which explains that an input is at a limit of its search range, and which
-    /// states the reachable outputs.
+    /// Returns a sentence that reports an input at a limit of its search range, and states the
+    /// reachable outputs.
     fn describe(&self, held: &HeldInput) -> String {
         let HeldInput { key, at, range: (low, high), reachable } = held;
         let (input, output) = (key.name(), self.output.name);
@@ -410,7 +411,7 @@ impl Calibration {
         let mut warnings = case.warnings();
         if let Some((key, SignRuns { runs, probability })) = self.systematic(report) {
             warnings.push(format!(
-                "The residuals are systematic along {}: their signs have only {runs} runs in {} points; with random residuals, only {:.2} % of all fits would have so few runs. The model or another input differs from the \
+                "The residuals depend systematically on {}: sorted by this input, the signs of the residuals form only {runs} runs in {} points; with random residuals, only {:.2} % of all fits would have so few runs. The model or another input differs from the \
                  measurement, and the standard deviations are too small.",
                 key.name(),
                 self.points.len(),

@@ -92,10 +92,12 @@ impl Cells for RecordCells {
 /// inputs is missing.
 pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
     let answer = compared(case, REPEATS)?;
-    // The time is measured only for the best groove, so it has no interval.
+    // The solver time is measured only for the best groove and therefore has no interval.
     Ok(answer.over_grooves(case, FEW_DRAWS, |possible| compared(possible, 0).ok()))
 }
 
+/// Solves the case with all models whose inputs are given, without intervals.
+///
 /// * `repeats`: number of timed solver runs per model.
 fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
     case.check()?;
@@ -108,7 +110,8 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
         }
     }
     if answers.is_empty() {
-        // If an input of the model with the fewest inputs is missing, no model can be solved.
+        // No model can be solved, so the error names the missing inputs of the model with the
+        // fewest inputs.
         case.choose(ModelChoice::Fixed(Model::ClosedForm))?;
     }
     // Only models of rolling balls contribute warnings. The table shows where the models with

@@ -166,7 +166,7 @@ impl DesignReport {
         let design = Design::of(&requirement.problem, design.nut, Some(&of_sheet));
         let order = sheet.as_ref().map(|sheet| sheet.order.to_string());
         let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
-        // The order data is always accompanied by the warnings of the `axis` command.
+        // The order data are always accompanied by the warnings of the `axis` command.
         let texts = of_axis.iter().map(|warning| warning.text.clone());
         let mut warnings = if has_sheet { texts.collect() } else { case.warnings() };
         let best = design.value(DesignQuantity::BestContactAngle) / DEG;
@@ -466,7 +466,8 @@ fn step(quantity: DesignQuantity) -> &'static Quantity {
 /// Returns the selection steps of a design together with the rules of its axis sheet. A rule
 /// replaces the step that has the same quantity and limit.
 fn rows_of(design: &Design, rules: &[Criterion]) -> Vec<DesignRow> {
-    /// Largest relative difference between equal limits. The case of a design has rounded inputs.
+    /// Largest relative difference between limits that count as equal. The limits can differ
+    /// slightly, because the inputs in the case of a design are rounded.
     const SAME: f64 = 1e-6;
     let mut rows: Vec<_> = design.checks.iter().map(row).collect();
     for rule in rules {

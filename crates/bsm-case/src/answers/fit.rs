@@ -484,7 +484,8 @@ impl Fit {
     fn exact_settings(&self, case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
         match &self.target {
             Target::Measured { output, .. } if of_inputs(output).is_none() => exact(case, settings),
-            // Without groove data, the case has no ball model to choose.
+            // If no ball model can be chosen because groove data is missing, the settings remain
+            // unchanged.
             _ => Ok(exact(case, settings).unwrap_or(*settings)),
         }
     }
@@ -498,7 +499,7 @@ impl Fit {
         }
     }
 
-    /// Searches the search range of the input for a case with a single groove.
+    /// Finds the values of the input that satisfy the condition, for a case with a single groove.
     fn search(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut case = case.clone();
         case.set(self.input.name(), self.range.0)?;
@@ -553,7 +554,7 @@ impl Fit {
         let mut ends: Vec<_> = [low, high].into_iter().chain(jumps.iter().copied()).collect();
         ends.extend(roots.iter().map(|root| root.at));
         ends.sort_by(f64::total_cmp);
-        // A root may be at an end of the range.
+        // A root at an end of the range would otherwise occur twice in the list.
         ends.dedup();
         let mut kept = Vec::new();
         for part in ends.windows(2) {
@@ -603,7 +604,7 @@ impl Fit {
         match (&self.target, &report.found[..], report.reachable) {
             (_, _, None) => {
                 format!(
-                    "{what} has no value with {input} from {low} to {high}: an input that {what} needs is missing, or no value in this range has a result"
+                    "{what} cannot be calculated with {input} from {low} to {high}: an input that {what} requires is missing, or there is no solution in this range"
                 )
             }
             (Target::Limit { rule }, ..) => {

@@ -17,7 +17,8 @@ use crate::{
     Answer, Case, Content, Criterion, InputKey, Numbers, Row, Scope, Section, Table, Verdict,
 };
 
-/// Smallest ratio of an interval's width to its value. A narrower interval is rounding error.
+/// Smallest ratio of the width of an interval to the value of the result. A narrower interval is a
+/// rounding error.
 const ROUNDING: f64 = 1e-9;
 
 /// Maximum number of possible grooves for a case with a warm state. The calculation of a warm state
@@ -76,8 +77,8 @@ impl Case {
         }
         let mut line = self.without_estimates();
         let estimate = line.groove_estimate().ok()??;
-        // The length of the nut is estimated from the best groove. It is the same for all possible
-        // grooves, so that the lengths of the axis have no intervals.
+        // The nut length is estimated from the best groove. The same nut length is used for all
+        // possible grooves, so that the lengths on the axis sheet have no intervals.
         line.nut_length_mm = line.nut_length_mm.or_else(|| usual_nut_length_mm(self));
         Some((line, estimate))
     }
@@ -125,7 +126,7 @@ pub(crate) struct EstimateJson {
     draws: usize,
     /// Number of possible grooves without a result.
     without_result: usize,
-    /// Number of possible grooves that have a number, for numbers that do not exist for all grooves.
+    /// Results that exist only for some possible grooves, each with the number of these grooves.
     grooves_with_number: ByName<usize>,
     /// Members of the answer that depend on the groove, with both ends of their 90 % intervals.
     intervals: Value,
@@ -520,8 +521,8 @@ fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
     let is_same = |other: &&&Row| {
         (other.quantity.title, other.quantity.name) == (row.quantity.title, row.quantity.name)
     };
-    // Usually, both answers use the same static table of quantities, so comparing addresses is
-    // sufficient and names need not be compared.
+    // The answers usually share one static table of quantities. The rows are therefore first
+    // compared by the address of their quantity, and by name only if no address matches.
     let own = rows.iter().find(|other| std::ptr::eq(other.quantity, row.quantity));
     own.or_else(|| rows.iter().find(is_same)).copied()
 }

@@ -25,7 +25,7 @@ use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{Answer, Case, CaseError, InputKey, output};
 
 number_tables! {
-    /// Numbers of a jamming analysis.
+    /// Results of a jamming analysis.
     pub(crate) JamNumbers = QUANTITIES.iter();
 }
 
@@ -172,7 +172,8 @@ struct BallReturn {
     apex: Option<f64>,
     /// Normal force and thrust at the step into the screw \[N\].
     step: Option<(f64, f64)>,
-    /// Largest height of a step into the return that the thrust can overcome \[m\].
+    /// Critical height of the step into the return \[m\]. No thrust lifts a ball over a higher
+    /// step.
     highest: f64,
     /// Thrust behind a ball divided by the thrust ahead of the ball, at the step into the return.
     /// The ratio is infinite if no thrust can lift the ball over the step.
@@ -182,9 +183,9 @@ struct BallReturn {
 /// Friction forces along the track on the balls of one turn \[N\].
 #[derive(Clone, Copy)]
 struct Track {
-    /// Friction forces in steady motion at the screw (`screw`) and at the contact with less
-    /// friction (`weaker`).
+    /// Friction force at the screw in steady motion.
     screw: f64,
+    /// Smaller of the friction forces at nut and screw in steady motion.
     weaker: f64,
     /// Friction force of the screw on the balls of one turn while they stand still.
     stopped: f64,
@@ -324,6 +325,8 @@ impl Jam {
 }
 
 impl Friction {
+    /// Returns the friction coefficients of a lubricated or dry ball.
+    ///
     /// * `screw`: screw contact of the moving ball.
     /// * `dry`: friction coefficient without a lubricant.
     fn of(

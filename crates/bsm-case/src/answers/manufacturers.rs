@@ -127,8 +127,8 @@ impl ManufacturerNut {
         self.case.rated_rigidity_N_um.filter(|_| is_of_one)
     }
 
-    /// Returns the inputs that occur in the table, except for ratings, mass and stiffness of the nut,
-    /// which have separate columns.
+    /// Returns the inputs that occur in the table, except for the ratings, the mass and the
+    /// stiffness of the nut, which have separate columns.
     fn inputs(nuts: &[Self]) -> Vec<InputKey> {
         let separate =
             [InputKey::rated_dynamic_load_N, InputKey::rated_static_load_N, InputKey::nut_mass_kg];
@@ -233,13 +233,14 @@ pub struct ManufacturerRow {
     /// Values stated by the manufacturer, and values calculated for the same nut. If there is a
     /// requirement, the results on the axis sheet follow.
     pub numbers: Vec<ListNumber>,
-    /// Verdict by the rules of the axis sheet and the selection limits; `None` without a requirement.
+    /// Verdict according to the rules of the axis sheet and the selection limits; `None` without a
+    /// requirement.
     pub verdict: Option<Verdict>,
     /// Titles of the violated rules and labels of the violated selection limits.
     pub failed_rules: Vec<&'static str>,
     /// Warnings on the axis sheet of the nut.
     pub warnings: Vec<String>,
-    /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the
+    /// Description of the estimated ball, or `none` if no groove can be estimated. `None` if the
     /// groove is given.
     pub groove: Option<String>,
     /// Description of a contradiction between ratings and geometry, including the contradictory
@@ -373,7 +374,7 @@ impl ManufacturerRow {
         let sheet = sheet.answer;
         row.numbers.extend(numbers_of(&sheet, sheet_columns()));
         // The first note describes the groove estimate, and the notes of the axis sheet follow.
-        // Only the notes after these concern the uncertainty of the estimated groove.
+        // Both are skipped. The remaining notes concern the uncertainty of the estimated groove.
         for note in sheet.notes.into_iter().skip(1 + own_notes) {
             if !row.notes.contains(&note) {
                 row.notes.push(note);

@@ -28,7 +28,7 @@ row! {
 }
 
 answer! {
-    /// An analysis of a solved motion, with the numbers `T`.
+    /// An analysis of a solved motion, with the results `T`.
     pub(crate) struct MotionMembers<T> {
         model: Word;
         [flatten] numbers: NumbersOf<T>;

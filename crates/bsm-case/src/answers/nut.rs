@@ -469,13 +469,13 @@ pub(crate) struct NutVectors {
     stiffness_SI: Vec<f64>,
     /// Axial force of each nut body.
     body_axial_N: Vec<f64>,
-    /// Stiffness of a ball contact in series.
+    /// Stiffness of the two contacts of a ball in series.
     #[serde(skip_serializing_if = "Option::is_none")]
     K_series_SI: Option<f64>,
-    /// Stiffness of a ball contact at the nut.
+    /// Stiffness of the contact between ball and nut.
     #[serde(skip_serializing_if = "Option::is_none")]
     K_nut_SI: Option<f64>,
-    /// Stiffness of a ball contact at the screw.
+    /// Stiffness of the contact between ball and screw.
     #[serde(skip_serializing_if = "Option::is_none")]
     K_screw_SI: Option<f64>,
     /// Number of Newton steps.
@@ -483,9 +483,9 @@ pub(crate) struct NutVectors {
 }
 
 number_tables! {
-    /// Numbers of a nut.
+    /// Results for a nut.
     pub(crate) NutNumbers = QUANTITIES.iter();
-    /// Numbers of a circuit.
+    /// Results for a circuit.
     pub(crate) CircuitNumbers = CIRCUITS.iter();
 }
 
@@ -562,7 +562,7 @@ fn loaded_balls(found: &Equilibrium) -> f64 {
 /// Returns a note that states the cold and the warm preload.
 pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
     format!(
-        "The preload is specified for the cold nut. It is {cold:.0} N cold, and {warm:.0} N at the operating temperatures."
+        "The preload is specified for the cold nut. It is {cold:.0} N if the nut is cold, and {warm:.0} N at the operating temperatures."
     )
 }
 
@@ -939,8 +939,8 @@ impl NutReport {
                 let far = friction.on_both_flanks + friction.third_contacts.count;
                 if far > 0 {
                     notes.push(format!(
-                        "{far} of {} balls touch a far flank. With every model, their friction is integrated over all their contacts and \
-                         changes their position in the grooves.",
+                        "{far} of {} balls touch a far flank. For these balls, every model integrates the friction over all contacts, and the \
+                         friction changes the position of the balls in the grooves.",
                         friction.balls.len(),
                     ));
                 }
@@ -1041,7 +1041,8 @@ impl NutReport {
         self.beyond_the_flanks().into_iter().chain(self.warnings_besides_flanks()).collect()
     }
 
-    /// Returns the warnings about the nut, except for warnings about contact ellipses that extend beyond their flanks.
+    /// Returns the warnings about the nut, except for warnings about contact ellipses that extend
+    /// beyond their flanks.
     pub(crate) fn warnings_besides_flanks(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let Some(pressure) = self.max_pressure().filter(|p| *p > MARKS_ABOVE) {
@@ -1175,8 +1176,8 @@ impl NutReport {
         Columns { heads: Self::ball_columns(), rows }
     }
 
-    /// Returns the load-displacement curve, which starts without load and extends beyond the load
-    /// and the limit load. Values without a solution are NaN.
+    /// Returns the load-displacement curve, which extends beyond the axial load and the limit load.
+    /// For a preloaded nut, the curve begins at zero load. Values without a solution are NaN.
     pub fn curve(&self) -> Columns {
         let axial = self.problem.axial();
         let limit = self.limit_load().unwrap_or(0.0);
@@ -1188,8 +1189,8 @@ impl NutReport {
         loads.extend([axial, limit].into_iter().filter(|load| *load != 0.0));
         loads.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         loads.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * far.abs());
-        // A nut without preload and load has no definite axial position, so its curve does not
-        // begin at zero load.
+        // Without preload, a nut has no definite axial position at zero load, so this point is
+        // omitted.
         let start = usize::from(self.made.preload.is_none());
         let rows = loads[start..].iter().map(|load| self.on_curve(*load)).collect();
         Columns { heads: Self::curve_columns(), rows }

@@ -32,9 +32,9 @@ row! {
 }
 
 row! {
-    /// A number of both offers.
+    /// A result of both offers.
     pub(crate) struct OfferedNumber {
-        /// Name of the number.
+        /// Name of the result.
         number: &'static str;
         [skip] label: &'static str = "number";
         [skip] unit: &'static str = "unit";
@@ -68,8 +68,8 @@ answer! {
     }
 }
 
-/// Numbers for which a smaller value is better. A larger value is better for the other numbers of
-/// [`sheet_columns`], except for the numbers in [`NEITHER`].
+/// Results for which a smaller value is better. A larger value is better for the other results of
+/// [`sheet_columns`], except for the results in [`NEITHER`].
 const SMALLER: [&str; 6] = [
     "critical_speed_ratio",
     "peak_motor_torque_Nm",
@@ -78,6 +78,7 @@ const SMALLER: [&str; 6] = [
     "mass_of_nut_and_screw_kg",
     "inertia_of_screw_kg_m2",
 ];
+/// Results for which neither a smaller nor a larger value is better.
 const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
 
 /// Returns the name of the better offer, `first` or `second`. Returns `None` if the values are
@@ -187,7 +188,8 @@ fn differing(reports: [&AxisReport; 2]) -> Vec<OfferedInput> {
     };
     let [first, second] = reports.map(inputs);
     let keys = first.keys().chain(second.keys().filter(|key| !first.contains_key(*key)));
-    // The description names the offer. Estimated inputs were not given by the user.
+    // The description and the estimated inputs are not compared: the description only names the
+    // offer, and the user did not give the estimated inputs.
     let is_estimated = |key: &str| reports.iter().any(|report| report.case.estimates(key));
     let is_input = |key: &&String| {
         !["description", "estimated_inputs"].contains(&key.as_str()) && !is_estimated(key)
@@ -205,7 +207,7 @@ fn differing(reports: [&AxisReport; 2]) -> Vec<OfferedInput> {
 mod tests {
     use super::*;
 
-    /// With a misspelled name in these lists, the comparison would report the worse offer as
+    /// If a name in these lists were misspelled, the comparison would report the worse offer as
     /// better.
     #[test]
     fn outputs_that_compare_offers_exist_on_the_axis_sheet() {

@@ -26,7 +26,7 @@ answer! {
     /// Optima in closed form, and the optimum of a model.
     pub(crate) struct OptimumMembers {
         [flatten] numbers: NumbersOf<OptimumNumbers>;
-        /// Model by which the optimum is found.
+        /// Model for which the optimum was found.
         [skip_serializing_if = "Maybe::is_none"] model: Maybe<Word>;
         [skip_serializing_if = "Maybe::is_none"] by_model: Maybe<NumbersOf<ModelOptimum>>;
     }

@@ -349,15 +349,17 @@ impl Record {
         if let Some(Alternatives { count, farthest_efficiency: Some(eta) }) = self.others() {
             let which = match self.model {
                 ModelChoice::Fixed(Model::RacewayControl) => {
-                    "this is the solution with the smallest difference of the contact angles, under nut \
+                    "the result is the solution in which the contact angles differ least, under nut \
                      control if both raceways can control"
                 }
-                _ => "this is the first solution as the inertia of the ball grows from zero",
+                _ => {
+                    "the result is the solution that is found first if the inertia of the ball grows from zero"
+                }
             };
             let motions = if count == 1 { "motion solves" } else { "motions solve" };
             warnings.push(format!(
                 "{count} other steady {motions} the equations of this point; the efficiency that \
-                 differs most is {eta:.6}, and {which}. In a sweep, the results may jump from one solution to \
+                 differs most from the result is {eta:.6}, and {which}. In a sweep, the results may jump from one solution to \
                  another."
             ));
         }
@@ -365,7 +367,7 @@ impl Record {
         if let Some(ControllingRaceway { raceway, consistent: Some(false) }) = control {
             let raceway = raceway.name();
             warnings.push(format!(
-                "A raceway controls if it has the larger spin friction moment in the solution under its control. This is true for neither raceway. This is the solution under {raceway} control; to choose the raceway, use the setting `control`."
+                "A raceway controls if it has the larger spin friction moment in the solution under its control. Here, neither raceway meets this condition. The result is the solution under {raceway} control; to choose the raceway, use the setting `control`."
             ));
         }
         warnings
@@ -526,7 +528,7 @@ answer! {
         [skip_serializing_if = "Maybe::is_none"] torque_parts: Maybe<Data<TorqueParts>>;
         /// 90 % intervals due to uncertain lubricated friction.
         [skip_serializing_if = "Maybe::is_none"] band: Maybe<Keyed<LossRow>>;
-        /// Model by which the intervals are drawn.
+        /// Model with which the intervals are calculated.
         [skip_serializing_if = "Maybe::is_none"] band_model: Maybe<Word>;
         [skip] not_in_it: Label;
         [skip_serializing_if = "Maybe::is_none"] sensitivities: Maybe<Keyed<SensitivityRow>>;
@@ -629,8 +631,8 @@ pub(crate) fn message(reason: &Reason) -> String {
             let how =
                 if *exact { "from the full equations" } else { "to first order in the inertia" };
             format!(
-                "a steady motion would need a slip of {slip:.3e} r_b |W| at the nut, against its friction ({how}): the ball \
-                 rolls on the nut, which saturated friction does not cover"
+                "in a steady motion, the slip at the nut along the friction direction would be {slip:.3e} r_b |W| ({how}), but it must be positive: \
+                 the ball rolls on the nut, which models with saturated friction do not cover"
             )
         }
         Reason::UnloadedFlankWouldPull { load_ratio } => format!(
@@ -661,7 +663,7 @@ pub(crate) fn message(reason: &Reason) -> String {
              roll here; use model traction"
         ),
         Reason::NoSkidAtInertia { inertia, least, most } => format!(
-            "inertia forces / axial load, m r_m W^2/F_a, are {inertia:.3e}; solutions with skid on both flanks exist only from {least:.3e} to {most:.3e}. Change axial_load_N or the speed"
+            "the ratio of inertia forces to axial load, m r_m W^2/F_a, is {inertia:.3e}; solutions with skid on both flanks exist only for ratios from {least:.3e} to {most:.3e}. Change axial_load_N or the speed"
         ),
         Reason::SearchLost => "the search for a steady motion failed: none was found, but \
              one may exist. Change the inputs slightly, or use another model"
@@ -673,7 +675,7 @@ pub(crate) fn message(reason: &Reason) -> String {
         ),
         Reason::NoRootAtInertia { inertia_ratio, nearest } => format!(
             "the branch of steady motions with saturated friction that starts at small inertia ends before this point: \
-             inertia forces / axial load, m r_m W^2/F_a, are {inertia_ratio:.3e}; the nearest value with a solution is \
+             the ratio of inertia forces to axial load, m r_m W^2/F_a, is {inertia_ratio:.3e}, and the nearest ratio with a solution is \
              {nearest:.3e}. Change axial_load_N or the speed"
         ),
         Reason::Refused { error } => error.to_string(),

@@ -243,7 +243,8 @@ impl ObjectSchema {
     }
 }
 
-/// Returns the schema of a type that is written, without members other than the declared ones.
+/// Returns the schema of a type in its serialized form. The schema permits only the declared
+/// members.
 fn schema_of<T: JsonSchema>() -> Schema {
     let settings = SchemaSettings::draft2020_12()
         .with(|settings| {
@@ -279,7 +280,8 @@ impl AnswerSchema {
             let models = ObjectSchema::answer::<ModelsCompared>().and::<ModelsLeftOut>();
             vec![models.about_a_case().json()]
         }),
-        // If there is no solution, the JSON value is the answer of `solve`, which states the reason.
+        // If there is no solution, the command prints the answer of `solve`, which states the
+        // reason.
         Self::of("slip", "solve --show slip", || {
             vec![about_a_case::<MotionMembers<SlipNumbers>>(), solve()]
         }),
@@ -331,6 +333,8 @@ impl AnswerSchema {
         }),
     ];
 
+    /// Creates the schema of an answer.
+    ///
     /// * `forms`: function that returns the alternative forms of the answer.
     pub const fn of(name: &'static str, command: &'static str, forms: fn() -> Vec<Value>) -> Self {
         Self { name, command, forms }

@@ -489,7 +489,7 @@ impl Found {
 
 /// Source of the nuts in a list.
 #[derive(Debug, Clone)]
-#[expect(clippy::large_enum_variant, reason = "a list contains one")]
+#[expect(clippy::large_enum_variant, reason = "a list contains only one value of this type")]
 enum Rows {
     /// Standard sizes. `sheets` contains the values of the axis sheet for each size that meets the
     /// requirement, by index of the size.

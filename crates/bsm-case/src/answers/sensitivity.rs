@@ -66,7 +66,8 @@ pub struct Sensitivity {
 
 impl Sensitivities {
     /// Prepares the derivatives of a case with respect to all inputs of its model. If the default
-    /// of an input is calculated from another input, a change of the other input changes both.
+    /// of one input is calculated from a second input, a change of the second input also changes
+    /// the first input.
     ///
     /// # Errors
     ///
@@ -107,7 +108,7 @@ impl Sensitivities {
         Ok(Self(variables.chunks(AT_A_TIME).map(part).collect()))
     }
 
-    /// Returns efficiency and torque, and the sensitivities with respect to each input. The rows
+    /// Returns efficiency and torque, and their sensitivities with respect to each input. The rows
     /// are sorted by the effect of the input on the efficiency.
     ///
     /// # Errors

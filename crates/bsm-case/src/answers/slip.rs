@@ -16,7 +16,7 @@ use crate::vocabulary::units::{DEG, MM};
 use crate::{Answer, Case, CaseError, Settings};
 
 number_tables! {
-    /// Numbers of a slip analysis.
+    /// Results of a slip analysis.
     pub(crate) SlipNumbers = QUANTITIES.iter();
 }
 

@@ -62,7 +62,7 @@ fn state(warm: &Warm) -> Option<&WarmState> {
 }
 
 number_tables! {
-    /// Numbers of a warm state.
+    /// Results for a warm state.
     pub(crate) WarmNumbers = QUANTITIES.iter();
 }
 
@@ -88,7 +88,7 @@ row! {
 }
 
 row! {
-    /// Uncertainty band of a number.
+    /// Uncertainty band of a result.
     pub(crate) struct BandRow {
         [skip] name: String = "number, phase";
         low: Option<f64> = "low";
@@ -163,8 +163,9 @@ const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_
 /// Returns whether the lower and the upper bound of a result are missing because no steady state
 /// exists under some of the varied assumptions.
 ///
-/// In case of thermal runaway or excessive temperature, all results increase, except that the screw
-/// tension decreases. If a steady state is missing for another reason, both bounds are unknown.
+/// If the reason is thermal runaway or an excessive temperature, the upper bounds are missing,
+/// except that the screw tension lacks its lower bound. For any other reason, both bounds are
+/// missing.
 fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     let heats = |why: &NoSteadyState| {
         matches!(why, NoSteadyState::RunsAway(_) | NoSteadyState::TooHot { .. })

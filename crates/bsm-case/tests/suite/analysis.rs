@@ -40,8 +40,8 @@ fn number(report: &Answer, name: &str) -> f64 {
     report.number(named(name)).unwrap_or_else(|| panic!("{name}: {report:?}"))
 }
 
-/// Slip and spin in the slip report equal the outputs of the model, for every combination of screw
-/// and nut speeds.
+/// Slip and spin in the slip report equal the outputs of the model. This is tested for a turning
+/// screw, a turning nut, and both.
 #[test]
 fn slip_report_matches_the_model() {
     for (screw, nut) in [(5000.0, 0.0), (-3000.0, 0.0), (0.0, 1500.0), (2500.0, -1700.0)] {
@@ -85,11 +85,12 @@ fn slip_powers_add_up_to_the_dissipated_power() {
     }
 }
 
-/// The printed formula for each contact uses the contact angle of the other contact. If both angles
-/// are equal, the printed and the corrected results are equal. Otherwise, the printed results equal
-/// the corrected spin slip with the contacts exchanged. There is no formula for the unloaded flank.
+/// The formula for the spin slip that Xu and Tang print for each contact uses the contact angle of
+/// the other contact. If both angles are equal, the printed and the corrected results are equal.
+/// Otherwise, the printed results equal the corrected spin slip with the contacts exchanged. There
+/// is no formula for the unloaded flank.
 #[test]
-fn formula_printed_in_the_paper_for_spin_slip_uses_the_angle_of_the_other_contact() {
+fn printed_spin_slip_formula_uses_the_angle_of_the_other_contact() {
     let report = slip(&case(XU, &[]), Model::Rigid);
     for form in ["spin", "orbit"] {
         for contact in ["nut", "screw"] {
@@ -161,9 +162,9 @@ fn verdict_on(report: &Answer, name: &str) -> (bool, String) {
     (verdict["answer"].as_bool().expect("a statement"), verdict["words"].to_string())
 }
 
-/// The verdict depends on the ball-return margin. A rolling ball has no friction along the track,
-/// so an earlier criterion that was based on this friction reported jamming at any thrust. The
-/// friction of stopped balls is not zero.
+/// The verdict depends on the ball-return margin, which is calculated from the friction of stopped
+/// balls. An earlier criterion was based on the friction along the track in steady motion. This
+/// friction is zero for a rolling ball, so jamming was reported at any thrust.
 #[test]
 fn rolling_balls_do_not_jam_at_any_thrust() {
     for model in [Model::Elastic, Model::RacewayControl, Model::Traction] {
@@ -188,8 +189,8 @@ fn published_jamming_criterion_uses_the_screw_contact() {
     assert!(screw > weaker, "{screw} {weaker}");
     let ratio =
         number(&report, "screw_track_friction_N") / number(&report, "weaker_track_friction_N");
-    // Both margins are divided by the same thrust, so their ratio equals the ratio of the friction
-    // forces.
+    // Each margin is a friction force divided by the same thrust, so the ratio of the margins
+    // equals the ratio of the friction forces.
     assert!((screw / weaker / ratio - 1.0).abs() < 1e-12);
 }
 
@@ -221,8 +222,8 @@ fn self_locking_margin_depends_on_friction_and_load() {
     assert!(healthy > 10.0 && !locks, "{healthy}");
     assert!(at(&[("friction_coefficient", 0.2)]).0 < 0.51 * healthy);
     assert!(at(&[("axial_load_N", 24_000.0)]).0 > healthy);
-    // sin 5° / √(cos² 5° + tan² 6.8°) is less than 0.1. The load is too small to increase the
-    // contact angle.
+    // The screw is self-locking, because sin 5° / √(cos² 5° + tan² 6.8°) is less than the friction
+    // coefficient of 0.1. The load is too small to increase the contact angle.
     let (margin, locks) =
         at(&[("contact_angle_deg", 5.0), ("axial_load_N", 1.0), ("screw_speed_rpm", 10.0)]);
     assert!(margin < 1.0 && locks, "{margin}");
@@ -260,7 +261,7 @@ fn jamming_is_reported_for_a_case_designed_to_jam() {
     assert!(jams && words.contains("No thrust lifts"), "{words}");
 }
 
-/// Inputs of a typical ball return that the jamming analysis needs.
+/// Inputs of a typical ball return for the jamming analysis.
 const RETURN: [(&str, f64); 3] =
     [("apex_half_angle_deg", 60.0), ("return_angle_deg", 30.0), ("step_height_mm", 0.3)];
 
@@ -323,8 +324,8 @@ fn reversing_the_speed_changes_the_sign_of_the_wedge_angle() {
         number(&report, "wedge_angle_deg")
     };
     let (forth, back) = (wedge(2500.0), wedge(-2500.0));
-    // The wedge angle is large in both directions. The centrifugal force, which does not change its
-    // direction, changes the angle by 0.002 deg.
+    // The wedge angle is large at both speeds. The centrifugal force acts in the same direction at
+    // both speeds, but it changes the angle by only 0.002 deg.
     assert!(forth > 1.0 && back < -1.0, "{forth} {back}");
 }
 
@@ -419,10 +420,9 @@ fn jamming_results_of_a_lubricated_ball_without_a_film_equal_those_of_a_dry_ball
 }
 
 /// The contacts in motion, a stopped ball and surfaces without a film have different friction
-/// coefficients. The slip speed of a stopped ball is the speed of the screw groove, W d, apart from
-/// the small radius of the contact.
+/// coefficients. A stopped ball slips at the speed of the screw groove.
 #[test]
-fn jamming_of_a_lubricated_ball_uses_local_friction_coefficients() {
+fn jamming_analysis_of_a_lubricated_ball_uses_local_friction_coefficients() {
     let oil = case(OIL, &RETURN);
     let solution = solved(&oil, &Model::Traction.into());
     let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");
@@ -431,8 +431,8 @@ fn jamming_of_a_lubricated_ball_uses_local_friction_coefficients() {
     for coefficient in [film.nut.friction, film.screw.friction, stopped, 0.12] {
         assert!(report.notes.iter().any(|note| note.contains(&bsm_case::number(coefficient))));
     }
-    // A stopped ball slides faster than a moving ball, and its friction coefficient is below the
-    // limit of the oil.
+    // The screw slides faster on a stopped ball than on a moving ball, so the friction coefficient
+    // is larger, but it remains below the limit of the oil.
     assert!(film.screw.friction < stopped && stopped < film.screw.law.most(), "{stopped}");
     let pushes = number(&report, "stopped_track_friction_N") / stopped;
     let load = number(&report, "screw_load_with_permanent_set_N");
@@ -463,7 +463,7 @@ fn slip_powers_of_a_lubricated_ball_add_up_to_the_sliding_power() {
             assert!(!report.warnings.iter().any(|w| w.contains("add up")), "{:?}", report.warnings);
             assert!(
                 number(&report, "dissipated_power_W") > total,
-                "rolling and drag are beside it"
+                "the dissipated power also includes rolling and drag"
             );
         }
     }
@@ -503,9 +503,9 @@ fn ellipse_fields_integrate_to_load_and_friction_force() {
                 };
                 cell * table.rows.iter().map(read).sum::<f64>()
             };
-            // Near the rim, the pressure falls to zero like a square root, so a cell at the rim has
-            // an error of about (1/100)^1.5 = 1e-3. The errors of the 600 cells at the rim average
-            // out to 4e-5 if they are random.
+            // Near the rim of the ellipse, the pressure falls to zero like a square root, so a cell
+            // at the rim has an error of about (1/100)^1.5 = 1e-3. The errors of the 600 cells at
+            // the rim average out to 4e-5 if they are random.
             let tolerance = 1e-4 * load;
             assert!((sum("") - load).abs() < tolerance, "{site}: {} for {load}", sum(""));
             for (i, name) in ["friction_across", "friction_along"].into_iter().enumerate() {

@@ -107,9 +107,9 @@ fn are_fractions_close_to_five_percent(beyond: [f64; 2]) -> bool {
 fn absolute_weights_give_correct_standard_deviations_for_equal_errors() {
     let (beyond, alarms) = miss_and_alarm_rates(|_| 1e-3, Some(MeasurementError::Absolute), false);
     assert!(are_fractions_close_to_five_percent(beyond), "{beyond:?}");
-    // The fraction is at most the significance level of 5 %, because the number of sign runs is
-    // discrete, and because the residuals of a fit change sign more often than independent random
-    // numbers.
+    // The fraction of false alarms is at most the significance level of 5 %, because the number of
+    // sign runs is discrete, and because the residuals of a fit change sign more often than
+    // independent random numbers.
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
@@ -129,7 +129,8 @@ fn error_column_gives_correct_standard_deviations() {
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
-/// A seal torque that the fitted model does not contain makes the residuals depend on the load.
+/// The measured torque contains a part that increases with the cube of the load and is missing in
+/// the fitted model. The residuals therefore depend on the load.
 #[test]
 fn warns_about_residuals_that_depend_on_an_input() {
     let exact = exact_points();
@@ -142,7 +143,7 @@ fn warns_about_residuals_that_depend_on_an_input() {
     let case = Case::from_json(DRY).expect("an example");
     let warnings = fit.answer(&case, &report).warnings;
     assert!(
-        warnings.iter().any(|text| text.contains("systematic along axial_load_N")),
+        warnings.iter().any(|text| text.contains("depend systematically on axial_load_N")),
         "{warnings:?}"
     );
 }

@@ -35,9 +35,10 @@ fn ratings_grow_with_the_number_of_turns() {
     assert!((ratio("single_nut_tangent_stiffness_N_um") - 4.0).abs() < 1e-12);
 }
 
-/// Stiffness is the derivative of load with respect to displacement.
+/// The tangent stiffness equals a finite difference of the load-displacement curve, and the secant
+/// stiffness equals the load divided by the displacement.
 #[test]
-fn stiffness_is_the_derivative_of_load_with_respect_to_displacement() {
+fn tangent_stiffness_is_the_derivative_of_load_with_respect_to_displacement() {
     let displacement = |load| numbers(&nut(&[("axial_load_N", load)]))("contact_displacement_um");
     let (load, step) = (2e4, 1.0);
     let slope = 2.0 * step / (displacement(load + step) - displacement(load - step));
@@ -71,10 +72,10 @@ fn displacement_at_small_load_matches_the_elastic_model() {
 }
 
 /// The displacement is measured along the axis. Measured along the binormal, the displacement would
-/// be smaller by a factor equal to the cosine of the lead angle, which means 0.3 % and 4.4 % at the
-/// two leads.
+/// be multiplied by the cosine of the lead angle, which reduces the displacement by 0.3 % and 4.4 %
+/// at the two leads.
 #[test]
-fn commands_solve_and_nut_report_the_same_axial_displacement() {
+fn solve_and_nut_commands_report_the_same_axial_displacement() {
     let settings: Settings = Model::RacewayControl.into();
     for lead in [10.0, 40.0] {
         let json = include_bytes!("../../../../examples/feed_drive.json");
@@ -126,8 +127,8 @@ fn ratings_report_warns_about_inputs_that_do_not_affect_the_ratings() {
 }
 
 /// An audit found that the displacement of a preloaded pair was 13.71 um for every load. The
-/// expected values were calculated by hand from eq. 7 and eq. 9 of Sobolewski (2002), to the given
-/// number of digits.
+/// expected values were calculated by hand from eqs. 7 and 9 of Sobolewski (2002). All their digits
+/// are compared.
 #[test]
 fn displacement_of_a_preloaded_pair_depends_on_the_load() {
     let pair = numbers(&nut(&[("preload_N", 15_500.0), ("axial_load_N", 30_000.0)]));
@@ -140,8 +141,8 @@ fn displacement_of_a_preloaded_pair_depends_on_the_load() {
     assert!(alone("contact_displacement_um").is_nan());
 }
 
-/// An audit found that the following gave no warnings: a preload of 0.39 of the rating (eq. 6), a
-/// load of five times the preload (eq. 8), nine turns, a large ball, and lands that do not retain
+/// An audit found that the following gave no warnings: a preload of 0.39 times the rating (eq. 6),
+/// a load of five times the preload (eq. 8), nine turns, a large ball, and lands that do not retain
 /// the balls.
 #[test]
 fn violated_recommendations_of_sobolewski_are_reported() {

@@ -26,10 +26,11 @@ fn error_text(json: &str) -> String {
     result.expect_err(json).to_string()
 }
 
-/// The error message recognizes the name of an output. The program used to suggest `seal_torque_Nm`
-/// instead, which is spelled similarly but has another meaning.
+/// The error message for an unknown input recognizes the name of an output. The program used to
+/// suggest the input `seal_torque_Nm`, whose name is similar to `screw_torque_Nm` but has another
+/// meaning.
 #[test]
-fn error_for_a_result_given_as_an_input_does_not_suggest_an_input_of_similar_spelling() {
+fn result_given_as_an_input_is_not_mistaken_for_an_input_of_similar_spelling() {
     let text = error_text(r#"{"screw_torque_Nm": 2}"#);
     assert!(
         text.contains("`screw_torque_Nm` is a result, not an input; `bsm fit --measured"),
@@ -303,7 +304,7 @@ fn settings_add_and_replace_inputs_of_a_case() {
 }
 
 #[test]
-fn overriding_inputs_with_numbers_or_with_text_settings_gives_the_same_case() {
+fn overriding_inputs_by_a_case_or_by_numbers_gives_the_same_case() {
     let base = case(LIN);
     let numbers = [
         (InputKey::lead_mm, 12.0),
@@ -372,12 +373,12 @@ fn grids_are_cartesian_products_with_exact_range_ends() {
         let error = GridAxis::parse(text).expect_err(text).to_string();
         assert!(error.contains(part), "{error}");
     }
-    // If both forms of the lead were given, the second one used to replace the first without a
-    // message.
+    // If both forms of the lead were given, the second form used to replace the first form without
+    // a message.
     let leads = ["lead_mm=10,20", "lead_angle_deg=8,30"].map(|a| GridAxis::parse(a).expect("list"));
     let error = Grid::new(leads.to_vec()).expect_err("two forms").to_string();
     assert_eq!(error, "give either lead_angle_deg or lead_mm; both are given");
-    // A drive with a varied nut speed used to be rejected because the base case is at standstill.
+    // A grid of nut speeds used to be rejected if the base case was at standstill.
     let nut =
         Grid::new(vec![GridAxis::parse("nut_speed_rpm=100,200").expect("list")]).expect("grid");
     let base = Case { screw_speed_rpm: Some(0.0), ..case(LIN) };
@@ -500,8 +501,8 @@ fn warns_about_overlapping_turns() {
     assert!(lin.warnings()[0].contains("neighboring turns"), "{:?}", lin.warnings());
 }
 
-/// The ellipse has a semi-axis of 0.81 ball radii. At a contact angle of 61 deg, it extends to 115
-/// deg.
+/// The contact ellipse has a semi-axis of 0.81 ball radii, which corresponds to 54 deg of the
+/// groove. At a contact angle of 61 deg, the ellipse extends to 115 deg.
 #[test]
 fn warns_about_a_contact_ellipse_wider_than_its_flank() {
     let warnings = |load: &str| {

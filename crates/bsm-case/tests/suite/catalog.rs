@@ -10,7 +10,7 @@ const SMALL: &[u8] =
     br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
     "nut_conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
 
-/// Returns the columns of a list without a requirement.
+/// Returns the columns of a list of sizes for which no requirement is given.
 fn columns() -> Vec<ListColumn> {
     ListColumn::of_sizes(false)
 }
@@ -22,7 +22,7 @@ fn all_nuts(catalog: &Catalog) -> Vec<Candidate> {
 /// The catalog contains the published rows with the printed values, rounded to newtons, millimeters
 /// and percent (as in `bsm validate`). More than 50 000 standard nuts meet the limits.
 #[test]
-fn the_catalog_contains_the_published_nuts() {
+fn catalog_contains_the_published_nuts() {
     let all = all_nuts(&Catalog::from_json(SMALL).expect("lists"));
     let has = |conditions: &[&str]| {
         let conditions: Vec<_> = conditions
@@ -105,7 +105,7 @@ fn lands_of_every_catalog_nut_retain_its_balls() {
     assert!(bad.is_empty(), "{bad:?}");
 }
 
-/// The gap between balls and the axial play can be set by a single number each. A smaller gap
+/// The gap between balls and the axial play can each be set by a single number. A smaller gap
 /// requires larger pitch circles, and a play moves the arc centers closer together.
 #[test]
 fn ball_gap_and_axial_play_can_be_set() {
@@ -121,8 +121,8 @@ fn ball_gap_and_axial_play_can_be_set() {
     assert!(tight.iter().all(|nut| nut.nut.ball_gap() <= 0.0201 * nut.nut.ball_diameter));
     let wide = with("largest_ball_gap_over_ball", 0.9);
     assert!(wide.iter().any(|nut| nut.nut.ball_gap() > 0.5 * nut.nut.ball_diameter));
-    // The turn with a pitch circle of 101.66 mm is as long as 31.99999 balls, which is treated as
-    // 32 balls without a gap.
+    // A turn with a pitch circle of 101.66 mm has room for 31.99999 balls. This number counts as 32
+    // balls without a gap.
     let full = usual.iter().map(|nut| nut.nut.ball_gap() / nut.nut.ball_diameter);
     assert!(full.clone().all(|gap| gap <= 0.1001), "{:?}", full.fold(0.0, f64::max));
     let loose = with("axial_play_um", 20.0);
@@ -143,7 +143,7 @@ fn pareto_front_contains_no_dominated_nut() {
 }
 
 #[test]
-fn invalid_lists_are_rejected() {
+fn invalid_lists_and_conditions_are_rejected() {
     for (json, words) in [
         ("{\"led_mm\": [5]}", "did you mean `lead_mm`?"),
         ("{\"lead_mm\": 5}", "lead_mm"),
@@ -226,7 +226,8 @@ fn catalogs_contain_common_sizes_with_typical_proportions() {
 
 /// The nut of THK's 50 x 50 mm screw with 7.2 turns has four circuits of 1.8 turns, one on each of
 /// four thread starts. The lead has room for all four circuits, and the case of the nut contains
-/// them. The nut used to be 510 mm long, because all turns were assumed to be on one thread.
+/// the numbers of starts and circuits. The nut used to be 510 mm long, because all turns were
+/// assumed to be on one thread.
 #[test]
 fn large_lead_nut_has_one_circuit_per_thread_start() {
     let manufacturers = Catalog::manufacturers().expect("compiled in");

@@ -95,7 +95,7 @@ fn groove_estimated_from_catalog_ratings_matches_an_independent_implementation()
     assert_eq!(again.with_groove().expect("a groove"), found);
 }
 
-/// The rating for a travel of 100 km at a lead of 20 mm is (10^5 m / 10^6 x 20 mm)^(1/3) times the
+/// The rating for a travel of 100 km at a lead of 20 mm is (10^6 x 20 mm / 10^5 m)^(1/3) times the
 /// rating for one million revolutions (BB8).
 #[test]
 fn travel_rating_and_equivalent_revolution_rating_give_the_same_groove() {
@@ -131,7 +131,7 @@ fn specified_input_replaces_its_estimate() {
 /// The intervals agree within 1 % with the intervals of an independent implementation for the same
 /// 128 grooves (`validation/published/groove/public.json`).
 #[test]
-fn intervals_match_independent_implementation() {
+fn intervals_from_catalog_data_match_an_independent_implementation() {
     // The torque without friction is the product of load and lead, divided by 2 pi.
     let ideal = [1353.3 * 0.005, 5130.0 * 0.02].map(|work| work / std::f64::consts::TAU);
     for (text, ideal, [low, high], [least, most]) in [
@@ -218,7 +218,8 @@ fn axis_results_from_catalog_data_have_intervals() {
     let of = |settings: &[&str]| {
         AxisReport::of(&case(R40, settings), &Settings::default()).expect("a sheet")
     };
-    // Without its length, the nut would be as long as the turns of the estimated groove.
+    // Without `nut_length_mm`, the nut length would be calculated from the turns of the estimated
+    // groove.
     let given = ["stroke_mm=500", "nut_length_mm=90"];
     let report = of(&given);
     let plain = of(&[&given[..], &["estimate_groove=false"]].concat());
@@ -275,7 +276,7 @@ fn torque_interval_follows_from_catalog_efficiency_range_if_friction_is_missing(
         max_relative = 1e-12
     );
     let band = report.answer.band("screw_torque_Nm").expect("an interval");
-    // The tolerance is the distance between two draws, 1/32 of the range.
+    // The tolerance is the distance between neighboring draws, 1/32 of the range.
     assert!((ideal / band.high - 0.855).abs() < 0.1 / 32.0, "{band:?}");
     assert!((ideal / band.low - 0.945).abs() < 0.1 / 32.0, "{band:?}");
     line.apply(&["catalog_efficiency=0.9", "catalog_back_efficiency=0.8"]).expect("inputs");
@@ -312,7 +313,8 @@ fn warm_state_from_catalog_data_has_intervals() {
 }
 
 /// If the warm state of an axis with catalog data does not exist, the reason is reported as for a
-/// given groove. The message used to ask for the inputs of the groove.
+/// given groove. The message used to ask for the inputs of the groove instead of stating the
+/// reason.
 #[test]
 fn nonexistent_warm_state_from_catalog_data_is_reported() {
     let hot = case(R40, &["stroke_mm=800", "warm_state=true", "screw_speed_rpm=300000"]);
@@ -537,8 +539,9 @@ fn results_for_a_complete_groove_match_the_stored_results() {
     assert!(compared > 100, "{compared}");
 }
 
-/// The edge load depends on the groove. A load within the 90 % interval of an estimated groove leaves the rule undecided, with the
-/// inputs that would decide it; a load below the interval passes, and a load above the interval fails.
+/// The edge load depends on the groove. For an estimated groove, the rule passes if the load is
+/// below the 90 % interval of the edge load, and fails if the load is above this interval. If the
+/// load is within the interval, the rule is undecided and names the inputs that would decide it.
 #[test]
 fn rule_is_undecided_if_the_interval_for_an_estimated_groove_contains_the_limit() {
     let line = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 51300, "screw_speed_rpm": 100,
@@ -585,7 +588,8 @@ fn rule_is_undecided_if_the_interval_for_an_estimated_groove_contains_the_limit(
     assert_ne!(edge(&decided).verdict(), Verdict::Undecided);
 }
 
-/// A nut of a table whose rules are undecided comes after the nuts that pass and before the nuts that fail.
+/// In a table, a nut with an undecided rule comes after the nuts that pass and before the nuts that
+/// fail.
 #[test]
 fn undecided_nuts_of_a_table_come_between_passing_and_failing_nuts() {
     let line = br#"{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 3500, "axial_load_N": 1000,
@@ -714,8 +718,8 @@ fn fitted_friction_coefficient_has_an_interval_even_if_the_case_contains_no_fric
     assert_eq!(given, missing);
 }
 
-/// A test by a stranger found an estimated groove with 7.5 turns of 5 mm lead in a nut of 30 mm,
-/// whose length was ordered without the word "estimated".
+/// A usability test found that the estimated groove had 7.5 turns with a lead of 5 mm, although the
+/// nut was only 30 mm long, and that the order data did not mark this length as estimated.
 #[test]
 fn estimated_nut_length_fits_the_turns_of_the_estimated_groove() {
     let line = r#"{"nominal_diameter_mm": 32, "lead_mm": 5, "ball_diameter_mm": 2.381, "rated_dynamic_load_N": 18848, "rated_static_load_N": 62204,
@@ -729,21 +733,21 @@ fn estimated_nut_length_fits_the_turns_of_the_estimated_groove() {
     let (turns, length) = (number("loaded_turns"), number("nut_length_mm"));
     assert!(turns > 5.0, "{turns}");
     assert_relative_eq!(length, 5.0 * (turns + 3.0), max_relative = 1e-12);
-    // All possible grooves belong to a nut with this length, so lengths have no interval.
+    // The nut has the same length for all possible grooves, so lengths have no intervals.
     assert!(report.answer.band("loaded_turns").is_some());
     for name in ["nut_length_mm", "thread_length_mm", "critical_speed_rpm", "screw_mass_kg"] {
         assert_eq!(report.answer.band(name), None, "{name}");
     }
     let note = report.answer.notes.iter().find(|note| note.starts_with("nut_length_mm"));
     assert!(note.is_some_and(|note| note.contains("loaded turns of the estimated groove")));
-    // The order marks the length of the nut and every length that contains it.
+    // The order data mark the nut length and every length that includes the nut as estimated.
     assert_eq!(report.order.to_string().matches(" mm (estimated)").count(), 3, "{}", report.order);
     let given = sheet(&["nut_length_mm=53"]);
     let order = given.order.to_string();
     assert!(order.contains("single nut, length 53 mm, thread 563 mm, "), "{order}");
     let long = sheet(&["unsupported_length_mm=700"]).order.to_string();
     assert!(long.contains("length between bearings 700 mm, "), "{long}");
-    // `nut` calculates the same body.
+    // `ratings` gives the same nut length as the axis sheet.
     let nut = ratings(&case(line, &[]).with_groove().expect("a groove")).expect("ratings");
     assert_eq!(nut.number(output!(nut_length_mm)), Some(length));
 }

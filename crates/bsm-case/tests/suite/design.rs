@@ -103,7 +103,7 @@ fn invalid_requirements_are_rejected() {
 /// If only load, motion and stroke are required, the result is the lightest screw, with a note on
 /// the assumed friction.
 #[test]
-fn load_and_motion_and_stroke_are_sufficient_to_select_a_screw() {
+fn load_motion_and_stroke_are_sufficient_to_select_a_screw() {
     let bare = br#"{"axial_load_N": 10000, "feed_m_min": 30, "required_life_h": 20000, "stroke_mm": 1200}"#;
     let standard = Catalog::standard().expect("compiled in");
     let report = |settings: &[&str]| {
@@ -275,7 +275,7 @@ fn error_of_a_fit_states_the_reachable_range() {
     let record = found[0].record.as_ref().expect("a ball in motion");
     let pressure = record.number(output!(nut_max_pressure_MPa)).expect("converged");
     // The pressure depends only weakly on the load. A change of the load by 1e-10 of the search
-    // range changes the pressure by far less than 1e-6.
+    // range therefore changes the pressure by a fraction far below 1e-6.
     assert!((pressure / 1500.0 - 1.0).abs() < 1e-6, "{pressure}");
     let fit = Fit::parse(&case, "friction_coefficient", "screw_torque_Nm=1").expect("names");
     let report = fit.run(&case, &settings).expect("complete");
@@ -299,7 +299,7 @@ fn error_of_a_fit_states_the_reachable_range() {
 /// The conformity in Sobolewski's tables is outside the range of Lin's step 6. A requirement can
 /// widen this range.
 #[test]
-fn requirement_can_widen_the_permitted_ranges_of_the_design_procedure_of_lin() {
+fn requirement_can_widen_the_ranges_permitted_by_lin() {
     let tables = ["nut_conformity=0.53", "required_life_h=3000"];
     let narrow = DesignReport::of(&requirement(&tables).expect("a requirement"));
     let blocks = |r: &String| r.contains("ball radius / groove radius");
@@ -339,8 +339,7 @@ fn missing_lead_is_chosen_from_standard_leads() {
     assert!((mass(&free) / mass(&given) - 1.0).abs() < 1e-9);
     for other in ["lead_mm=8", "lead_mm=12", "lead_mm=16"] {
         let other = DesignReport::of(&requirement(&[other]).expect("a requirement"));
-        // The number of balls is an integer, so the screw with another lead can be slightly
-        // lighter.
+        // The number of balls is an integer, so a screw with another lead can be slightly lighter.
         assert!(!other.found || mass(&free) <= 1.01 * mass(&other), "lead {lead} mm");
     }
 }
@@ -390,8 +389,8 @@ fn selected_screw_meets_the_input_power_limit() {
 }
 
 /// Returns typical requirements of machine builders: a light lift with a long stroke, a feed axis
-/// with a cycle, a hot axis, and axes with short strokes, horizontal and vertical, with and without
-/// preload.
+/// with a cycle, and a slow axis with a free screw end. The requirements differ in objective,
+/// manufacturing method, preload and permitted warnings.
 fn requirements_of_machine_builders() -> Vec<String> {
     let lift = r#""moved_mass_kg":7,"inclination_deg":90,"stroke_mm":1100,"required_life_h":2000,"support":"fixed-supported","cycle":[{"time_s":1,"feed_mm_s":100},{"time_s":1,"feed_mm_s":-100}]"#;
     let feed = r#""moved_mass_kg":450,"guide_friction":0.01,"stroke_mm":800,"support":"fixed-supported","required_life_h":20000,"cycle":[{"share":0.3,"force_N":4000,"feed_m_min":10},{"share":0.5,"force_N":0,"feed_m_min":30},{"share":0.2,"force_N":0,"feed_m_min":30}]"#;
@@ -407,10 +406,10 @@ fn requirements_of_machine_builders() -> Vec<String> {
     all
 }
 
-/// Each warning of `axis` either corresponds to a selection limit or is printed with the selected
-/// screw.
+/// `select` prints every warning that `axis` prints for the selected screw. A warning that states a
+/// selection limit occurs only if a requirement can permit this warning.
 #[test]
-fn command_select_prints_every_warning_of_command_axis() {
+fn select_command_prints_every_warning_of_the_axis_command() {
     let [own, standard] = [Catalog::manufacturers(), Catalog::standard()].map(Result::unwrap);
     let mut found = 0;
     for json in requirements_of_machine_builders() {
@@ -438,7 +437,7 @@ fn command_select_prints_every_warning_of_command_axis() {
             }
         }
     }
-    // Without this check, the test would pass even if no requirement had a screw.
+    // Without this check, the test would pass even if no screw met any requirement.
     assert!(found >= 10, "{found}");
 }
 
@@ -457,10 +456,10 @@ fn no_screw_longer_than_the_listed_lengths_is_selected() {
     assert!(report.case.nominal_diameter_mm.is_some_and(|mm| mm >= 14.0), "{:?}", report.case);
 }
 
-/// A test by a stranger found that the order named a nominal diameter of 16 mm for the chosen size
-/// 15 x 10 mm, because 16 mm is closer to its pitch circle of 15.75 mm.
+/// A usability test found that the order data stated a nominal diameter of 16 mm for the chosen
+/// size 15 x 10 mm, because 16 mm is closer to the pitch circle diameter of 15.75 mm.
 #[test]
-fn selected_case_and_ordering_designation_have_the_nominal_diameter_of_the_chosen_catalog_row() {
+fn selected_case_and_order_data_state_the_nominal_diameter_of_the_catalog_size() {
     let catalog = Catalog::manufacturers().expect("compiled in");
     let json = br#"{"moved_mass_kg":7,"inclination_deg":90,"stroke_mm":1100,"required_life_h":2000,"objective":"mass",
         "support":"fixed-supported","cycle":[{"time_s":1,"feed_mm_s":100},{"time_s":1,"feed_mm_s":-100}]}"#;
@@ -485,7 +484,8 @@ fn selected_case_and_ordering_designation_have_the_nominal_diameter_of_the_chose
     assert!(order.starts_with(&format!("{nominal} x ")), "{order}");
 }
 
-/// A test by a stranger found that a list could only be sorted by the mass of the nut alone.
+/// A usability test found that a list of sizes could be sorted by the mass of the nut, but not by
+/// the mass of nut and screw together.
 #[test]
 fn list_of_sizes_is_sorted_by_the_mass_of_nut_and_screw() {
     let catalog = Catalog::manufacturers().expect("compiled in");

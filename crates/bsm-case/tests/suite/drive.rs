@@ -15,7 +15,7 @@ fn rule<'a>(report: &'a AxisReport, title: &str) -> &'a bsm_case::Criterion {
 /// to 1 m/s in 0.15 s, and has a guide friction coefficient of 0.003 and a resistance of 15 N
 /// (printed 550, 17, -516, -550, -17, 516 N). The vertical axis moves 50 kg, accelerates to 0.3 m/s
 /// in 0.2 s, and has a resistance of 20 N (printed 585, 510, 435, 395, 470, 545 N). The expected
-/// values have five digits.
+/// values in the test have five digits.
 #[test]
 fn loads_of_two_transfer_axes_match_the_thk_catalog() {
     let cycle = |feed: f64, acceleration: f64| {
@@ -145,8 +145,8 @@ fn preload_can_be_specified_by_class_or_derived_from_the_load() {
     let nut = NutProblem::of(&medium, &Settings::default()).expect("a nut").solve();
     let nut = nut.expect("a solution");
     near(nut.number(output!(cold_preload_N)).expect("a preload"), 0.05 * rating, 1e-12, "nut");
-    // A nut that is preloaded by an offset or by oversize balls may have half the preload of a
-    // double nut.
+    // A nut that is preloaded by an offset or by oversize balls may have at most half the preload
+    // of a double nut.
     assert!(rule(&report, "preload").passes());
     let limit = rule(&report, "preload").limit.expect("a limit");
     near(limit, 0.1 * rating, 1e-12, "double nut");

@@ -6,7 +6,7 @@ use bsm_case::{AnalysisKind, INPUTS, Output, Quantity};
 
 const GLOSSARY: &str = include_str!("../../../../docs/glossary.md");
 
-/// Returns the names in a table cell in lower case, without text in brackets.
+/// Returns the names in a table cell in lower case, without text in parentheses.
 fn names_in_cell(cell: &str) -> Vec<String> {
     let outside: String = cell
         .split('(')
@@ -32,8 +32,8 @@ fn rows_with_symbol() -> Vec<(Vec<String>, &'static str, Vec<String>)> {
     GLOSSARY.lines().filter_map(cells).collect()
 }
 
-/// Replaces a phrase and its plural with `s` by a space. Returns `None` if the text does not
-/// contain the phrase as separate words.
+/// Replaces a phrase, or its plural that ends with `s`, with a space. Returns `None` if the text
+/// does not contain the phrase as separate words.
 fn remove_phrase(text: &str, phrase: &str) -> Option<String> {
     let is_part = |c: char| c.is_alphanumeric() || c == '_';
     text.match_indices(phrase).find_map(|(at, _)| {

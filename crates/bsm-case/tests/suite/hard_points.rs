@@ -21,9 +21,9 @@ fn solve_cases_in_folder(folder: &str) -> Vec<(String, Solution)> {
     fs::read_dir(folder).expect("cases").map(answer).collect()
 }
 
-/// The points were found in runs with extreme inputs. They had no result, had a power balance that
-/// rounding errors dominated, or had no solution although points at lower and higher speeds were
-/// solved.
+/// Runs with extreme inputs found these points. Earlier versions gave no result for them, gave a
+/// power balance that was dominated by rounding errors, or found no solution although points at
+/// lower and higher speeds were solved.
 #[test]
 fn points_that_failed_in_earlier_versions_are_solved() {
     let answers = solve_cases_in_folder("solved");
@@ -33,9 +33,9 @@ fn points_that_failed_in_earlier_versions_are_solved() {
     }
 }
 
-/// A search from many random starting points found the solution of this point. The solver does not
-/// find it: the branch of states that begins at small inertia ends before this point, and other
-/// branches are not searched.
+/// The point in the folder `off_branch` has a solution, which was found by a search from many
+/// random starting points. The solver misses this solution: the branch of states that begins at
+/// small inertia ends before this point, and other branches are not searched.
 #[test]
 fn root_on_an_untraced_branch_is_missed_but_not_excluded_by_proof() {
     let answers = solve_cases_in_folder("off_branch");
@@ -46,8 +46,8 @@ fn root_on_an_untraced_branch_is_missed_but_not_excluded_by_proof() {
     }
 }
 
-/// At these points, the balls are pressed out of their groove, or friction moves them off their
-/// flank.
+/// At the points in the folder `no_solution`, the balls are pressed out of their grooves, or
+/// friction moves them off their flanks.
 #[test]
 fn balls_that_leave_their_flanks_have_no_solution() {
     let answers = solve_cases_in_folder("no_solution");

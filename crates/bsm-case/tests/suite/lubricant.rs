@@ -55,7 +55,9 @@ fn lubricated_friction_matches_an_independent_solution() {
             _ => record.number(named(name)),
         };
         for (name, value) in reference["expect"].as_object().expect("numbers") {
-            // The catalog friction coefficient is calculated from the efficiency.
+            // The catalog friction coefficient is calculated from the efficiency. In the reference,
+            // the efficiency includes the seals, so this output is not compared for a case with
+            // seals.
             if seal > 0.0 && name == "catalog_friction_coefficient" {
                 continue;
             }
@@ -78,7 +80,8 @@ fn lubricated_friction_matches_an_independent_solution() {
     assert!(far.is_empty() && numbers > 300, "{numbers} {far:#?}");
 }
 
-/// Friction may only be given once, and only for models that use the given input.
+/// Friction may be given by a coefficient or by a lubricant, but not by both. A lubricant is
+/// accepted only by models that use it.
 #[test]
 fn lubricant_inputs_that_conflict_or_are_incomplete_are_rejected() {
     let told = |case: &Case, settings: &Settings| match case.problem(settings) {
@@ -191,7 +194,8 @@ fn each_ball_of_a_lubricated_nut_has_its_own_film_thickness() {
     assert_relative_eq!(torque(&rough), torque(&dry), max_relative = 1e-3);
     let oiled = report(&OIL);
     assert!(torque(&oiled) < torque(&dry));
-    // The axis sheet adds the seal torque separately.
+    // The friction torque of the balls does not include the seal torque, which the axis sheet adds
+    // separately.
     let sealed = report(&[&OIL[..], &["seal_torque_Nm=5"]].concat());
     assert_eq!(torque(&sealed).to_bits(), torque(&oiled).to_bits());
 

@@ -57,8 +57,8 @@ fn number(report: &AxisReport, name: &str) -> f64 {
     report.number(named(name)).or(screw).unwrap_or_else(|| panic!("no {name}"))
 }
 
-/// Compares all outputs with the expected values, within the relative tolerance of the reference.
-/// If the expected value is zero, the output must be missing or below 1e-9.
+/// Compares all outputs with the expected values, with a relative tolerance of 1e-6. If the
+/// expected value is zero, the output must be missing or below 1e-9.
 fn assert_matches_reference(report: &AxisReport, reference: &Value, skip: &[&str]) {
     let name = reference["name"].as_str().expect("a name");
     for (key, expected) in reference["expected"].as_object().expect("numbers") {
@@ -78,7 +78,7 @@ fn assert_matches_reference(report: &AxisReport, reference: &Value, skip: &[&str
 }
 
 /// The lengths of nut set and thread determine the critical speed. This is tested for single nuts,
-/// for pairs and for a nut with lead offset.
+/// for nut pairs and for a nut with a lead offset.
 #[test]
 fn nut_length_and_overrun_determine_thread_length_and_critical_speed() {
     for reference in reference_cases("nut_length") {
@@ -91,8 +91,8 @@ fn nut_length_and_overrun_determine_thread_length_and_critical_speed() {
     }
 }
 
-/// The order of a nut pair contains both nuts and a thread that is long enough for both. The longer
-/// thread makes the screw heavier.
+/// The order data of a nut pair contain both nuts and a thread that is long enough for both nuts.
+/// The longer thread makes the screw heavier.
 #[test]
 fn ordering_data_of_a_nut_pair_include_both_nuts_and_the_thread() {
     let single = json!({"lead_mm": 10, "loaded_turns": 5, "stroke_mm": 700, "feed_m_min": 20});
@@ -303,8 +303,8 @@ fn average_film_conductance_includes_standstill() {
     assert!(ratio("steady_temperature_rise_K") < 0.75, "{}", ratio("steady_temperature_rise_K"));
 }
 
-/// If the torques of seals and bearings are not given, they are named next to the heat. The upper
-/// bound of the temperature rise includes typical values of these torques.
+/// If the torques of seals and bearings are not given, these inputs are named next to the mean
+/// heat. The upper bound of the temperature rise includes typical values of the missing torques.
 #[test]
 fn axis_sheet_names_missing_heat_sources() {
     let reference = &reference_cases("thermal")[0];
@@ -401,7 +401,7 @@ fn axis_sheet_and_warm_state_use_the_same_thermal_network() {
 /// For pairs, threads and driven nuts, `select` uses the same functions as `axis`, so the axis
 /// sheet of the selected screw contains the same values.
 #[test]
-fn commands_select_and_axis_agree_on_lengths_and_driven_part() {
+fn select_and_axis_commands_agree_on_lengths_and_driven_part() {
     let catalog = bsm_case::Catalog::standard().expect("compiled in");
     let requirement = br#"{"axial_load_N": 3000, "feed_m_min": 20, "stroke_mm": 700, "lead_mm": 10, "preload_N": 1450,
         "driven_part": "nut", "nut_gap_mm": 6, "overrun_mm": 15}"#;

@@ -57,7 +57,7 @@ fn axis(more: &Value) -> Value {
 
 /// The expected values were calculated independently of the program. All outputs agree to 1e-6.
 #[test]
-fn results_for_motion_and_stopping_and_motor_and_life_match_independent_values() {
+fn axis_results_match_independent_values() {
     let cases: Vec<Value> = serde_json::from_str(include_str!("motion.json")).expect("cases");
     assert_eq!(cases.len(), 23);
     for case in &cases {
@@ -152,7 +152,7 @@ fn motor_curve_replaces_motor_torques_and_limits_the_speed() {
         "in order of increasing speed_rpm",
     );
     let report = solved(&axis(&json!({ "feed_m_min": 15, "motor_curve": curve })));
-    // Hand calculation: the mean speed is halfway between two rows.
+    // In the hand calculation, the mean speed is halfway between two rows of the motor curve.
     near(&report, "continuous_torque_at_mean_speed_Nm", 1.5);
     let ratio = report.number(output!(peak_motor_torque_Nm)).expect("a torque") / 3.0;
     near(&report, "peak_torque_utilization", ratio);
@@ -184,8 +184,8 @@ fn phase_with_acceleration_is_converted_to_a_ramp() {
     assert!(report.answer.warnings.iter().all(|w| !w.contains("cycle")));
 }
 
-/// A cycle that is given as moves gives the same results as the same cycle given as ramps with
-/// their end speeds.
+/// A cycle of moves gives the same results as the equivalent cycle of ramps, which are given by
+/// their start and end speeds.
 #[test]
 fn moves_and_equivalent_ramps_give_equal_results() {
     let moves = json!([
@@ -275,7 +275,7 @@ fn error_states_what_is_wrong_with_a_cycle_entry() {
 /// sum of 100 means percentages, and other sums above 1 are rejected. Results per cycle require
 /// durations instead of time shares.
 #[test]
-fn axis_is_at_standstill_in_time_not_covered_by_the_time_shares() {
+fn axis_is_at_standstill_in_the_time_that_the_shares_do_not_cover() {
     let of = |shares: [f64; 2]| {
         let phase = |share: f64, feed: f64| json!({ "share": share, "feed_m_min": feed });
         report(&axis(&json!({ "cycle": [phase(shares[0], 6.0), phase(shares[1], -6.0)] })))
@@ -404,8 +404,8 @@ fn axial_load_acts_at_rest_only_if_specified_as_hold_force() {
     assert!(says(&holding, "12000 N acts at rest") && !says(&holding, "only during motion"));
 }
 
-/// A free end means that nothing may guide the load, as in a jack, for which the buckling load is a
-/// sixteenth of the load with a guided table.
+/// If one end of the screw is free, the load may be unguided, as in a jack. The buckling load of a
+/// jack is a sixteenth of the buckling load with a guided table.
 #[test]
 fn buckling_rule_is_undecided_for_a_free_end_unless_buckling_support_is_given() {
     let jack = |load: f64, buckling: &str| {
@@ -421,7 +421,7 @@ fn buckling_rule_is_undecided_for_a_free_end_unless_buckling_support_is_given() 
         let rule = rules.iter().find(|rule| rule.title == "buckling").expect("a rule").clone();
         (rule.verdict(), rule.remedy.unwrap_or_default())
     };
-    // Euler load of the jack: 0.25 pi^2 E I/l^2 = 2.56 kN; with a guided nut, 41 kN.
+    // The Euler load of the jack is 0.25 pi^2 E I/l^2 = 2.56 kN. With a guided nut, it is 41 kN.
     assert_eq!(jack(12e3, "fixed-fixed").0, Verdict::Passes);
     assert_eq!(jack(12e3, "fixed-free").0, Verdict::Fails);
     let (verdict, remedy) = jack(12e3, "");

@@ -70,7 +70,8 @@ fn four_catalog_values_suffice_for_an_axis_sheet() {
         );
     }
     assert!(has_note(&report, "smallest core diameter in manufacturers' lists"));
-    // For a size that is not listed, the core diameter is estimated by a rule as 0.84 of 41 mm.
+    // For a size that is not listed, the core diameter is estimated as 0.84 times the nominal
+    // diameter of 41 mm.
     let unlisted = sheet(FOUR, &["nominal_diameter_mm=41"]).expect("a sheet");
     assert_relative_eq!(number(&unlisted, "shaft_diameter_mm"), 34.44, max_relative = 1e-12);
     // If the load drives the screw, the default efficiency is 0.8. Given efficiencies take
@@ -199,8 +200,9 @@ fn preload_torque_matches_the_thk_catalog() {
 const FEED_AXIS: &str =
     include_str!("../../../../validation/published/manufacturers/machining_center.json");
 
-/// If the groove is given in addition to the ratings, it must match the rated nut. A ratio of 1.7
-/// between the ratings causes a warning. A ratio of 2.1 is rejected unless the user confirms it.
+/// If the groove is given in addition to the ratings, it must match the rated nut. If the
+/// calculated and the given rating differ by a factor of 1.7, there is a warning. A factor of 2.1
+/// is rejected unless the user confirms the ratings.
 #[test]
 fn contradiction_between_ratings_and_groove_is_reported() {
     let groove = include_str!("../../../../examples/axis.json");
@@ -257,7 +259,7 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     }
 }
 
-/// A test by a stranger found rows of a list that failed without naming the failed rule.
+/// A usability test found that a list did not name the rules that its rows failed.
 #[test]
 fn failing_table_rows_name_the_failed_rules() {
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
@@ -283,9 +285,9 @@ weak,40,20,12000,7000,34\nstrong,50,20,80000,150000,44";
     assert_eq!(answer.to_json()[1]["failed_rules"], json!(["static safety", "life"]));
 }
 
-/// A test by a stranger found that the column stiffness_N_um of a table had no effect on the axis.
-/// Tables state the stiffness at 0.3 of the dynamic load rating, so K (F/0.3 C_a)^(1/3) times 0.8
-/// is the stiffness of the nut.
+/// A usability test found that the column `stiffness_N_um` of a table had no effect on the axis.
+/// Tables state the stiffness at 0.3 of the dynamic load rating, so the stiffness of the nut is 0.8
+/// K (F/0.3 C_a)^(1/3).
 #[test]
 fn axis_stiffness_includes_the_nut_stiffness_from_a_manufacturer_table() {
     let catalog = Catalog::standard().expect("compiled in");
@@ -319,15 +321,15 @@ fn axis_stiffness_includes_the_nut_stiffness_from_a_manufacturer_table() {
     assert!(
         stiffness(&estimated) > stiffness(&stated) && estimated.value("stiffness_N_um").is_none()
     );
-    // The input names `rated_rigidity_N_um` and `rated_rigidity_at` are equivalent to the
-    // manufacturer column.
+    // The inputs `rated_rigidity_N_um` and `rated_rigidity_at` are equivalent to the column
+    // `stiffness_N_um`.
     let by_input = row(",rated_rigidity_N_um,rated_rigidity_at", ",490,0.3 Ca");
     assert_eq!(by_input.value("stiffness_N_um"), Some(490.0));
     assert_eq!(stiffness(&by_input).to_bits(), stiffness(&stated).to_bits());
 }
 
-/// A test by a stranger found that the remedy for a motor torque did not state the permitted load,
-/// but recommended less acceleration for an axis without acceleration.
+/// A usability test found that the remedy for a motor torque did not state the permitted load, but
+/// recommended less acceleration for an axis without acceleration.
 #[test]
 fn remedy_for_excessive_motor_torque_states_the_permitted_load() {
     let lift = r#"{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 13000, "estimate_groove": false,
@@ -337,7 +339,7 @@ fn remedy_for_excessive_motor_torque_states_the_permitted_load() {
         let found = report.answer.rules.iter().find(|rule| rule.title == title).cloned();
         found.expect("a rule")
     };
-    // Torque h F/0.9 + 0.1 N m with h = lead / (2 pi).
+    // The torque is h F/0.9 + 0.1 N m, with h = lead / (2 pi).
     let most = ((1.9 - 0.1) * 0.9 * TAU / 5e-3).floor();
     for (limit, title) in [
         ("motor_peak_torque_Nm=1.9", "peak torque of the motor"),
@@ -456,9 +458,9 @@ fn life_is_modified_by_load_factors_and_lubricant() {
     assert!(both.to_string().contains("contamination_factor"), "{both}");
 }
 
-/// If groove and roughness are known, the viscosity ratio is the film thickness ratio at nut or
-/// screw, whichever is smaller, to the power of 1.3. The expected film thickness is calculated with
-/// the formulas of Hamrock and Dowson and the values of one ball.
+/// If groove and roughness are known, the viscosity ratio is the smaller of the film ratios at nut
+/// and screw, raised to the power of 1.3. The expected film thickness is calculated with the
+/// formulas of Hamrock and Dowson and the values of one ball.
 #[test]
 fn a_known_film_thickness_determines_the_viscosity_ratio() {
     let text = include_str!("../../../../validation/published/nut/feed_axis.json");
@@ -499,8 +501,8 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
     let report = AxisReport::of(&case, &settings).expect("a sheet");
     let ratio =
         |report: &AxisReport| report.phases[0].number(output!(viscosity_ratio)).expect("oil");
-    // The radius along the helix is larger by sin²α, about 1 %, and the film thickness depends on
-    // it with an exponent of at most 0.02.
+    // The radius of curvature along the helix is larger than R_x by sin²α, which is about 1 %. The
+    // film thickness is proportional to this radius raised to an exponent of at most 0.02.
     assert_relative_eq!(ratio(&report), expected, max_relative = 3e-4);
     let film = number(&report, "modified_life_h");
     assert!(film > 0.0 && film < 50.0 * number(&report, "cycle_life_h"), "{film}");
@@ -601,9 +603,10 @@ fn life_of_a_transfer_axis_matches_the_thk_catalog() {
     assert_relative_eq!(hours, 170_285.0, max_relative = 1e-5);
 }
 
-/// A test by a stranger found that F_m was labeled as the constant load with the same life,
-/// although both flanks carried load. Hand calculation: half of all revolutions are under 3 kN, the
-/// other half under -2 kN, so the equivalent loads are 3 kN and 2 kN divided by the cube root of 2.
+/// A usability test found that the label of F_m described it as the constant load with the same
+/// life, although both flanks carried load. Hand calculation: half of all revolutions are under 3
+/// kN, the other half under -2 kN, so the equivalent loads are 3 kN and 2 kN divided by the cube
+/// root of 2.
 #[test]
 fn life_follows_from_the_equivalent_loads_of_both_flanks() {
     let cycle = |second: f64| {
@@ -630,11 +633,11 @@ fn life_follows_from_the_equivalent_loads_of_both_flanks() {
     assert_relative_eq!(life(&one_flank), of(number(&one_flank, names[0])), max_relative = 1e-12);
 }
 
-/// A test by a stranger found that the sheet stated the torque of lowering, because lowering has the
-/// same load as lifting and comes later in the cycle, and that the torque of a press was negative,
-/// because its feed is negative.
+/// A usability test found two errors. The axis sheet stated the torque for lowering instead of
+/// lifting, because both have the same load and lowering comes later in the cycle. The torque of a
+/// press was negative, because its feed is negative.
 #[test]
-fn axis_sheet_states_the_largest_of_the_screw_torques_at_the_largest_load() {
+fn axis_sheet_states_the_largest_screw_torque_at_the_largest_load() {
     let cycle = |phases: &str| {
         let json = format!(
             r#"{{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 9000, "rated_static_load_N": 15000, "estimate_groove": false,
@@ -646,7 +649,7 @@ fn axis_sheet_states_the_largest_of_the_screw_torques_at_the_largest_load() {
     let lower = r#"{"time_s": 1, "feed_m_min": -18, "force_N": 98}"#;
     for phases in [[lift, lower], [lower, lift]] {
         let report = cycle(&phases.join(","));
-        // h F/0.9 with h = lead / (2 pi), and the torque of the seals.
+        // The torque is h F/0.9, with h = lead / (2 pi), plus the torque of the seals.
         let torque = 98.0 * 5e-3 / TAU / 0.9 + 0.15;
         assert_relative_eq!(number(&report, "screw_torque_Nm"), torque, max_relative = 1e-12);
         let efficiency = report.phases.iter().filter_map(|p| p.number(output!(screw_efficiency)));

@@ -83,8 +83,8 @@ fn largest_derivative_error(case: &Case, settings: &Settings, h: f64) -> Option<
     let (answer, rows) = solve_with_derivatives(case, settings)?;
     let mut worst: f64 = 0.0;
     for row in &rows {
-        // Model `quasi-static` depends on which part turns, but not on the speeds, so it has no
-        // derivatives with respect to speeds.
+        // Model `quasi-static` depends on which part turns, but not on the speeds, so its
+        // derivatives with respect to the speeds are zero.
         if settings.model == Model::QuasiStatic.into() && row.input.unit == "rpm" {
             assert_eq!((row.efficiency, row.screw_torque), (0.0, Some(0.0)));
             continue;
@@ -190,8 +190,8 @@ fn check_derivatives(case: &Case, settings: &Settings) -> Result<(), TestCaseErr
     let (Some(found), Some(numbers)) = (found, numbers) else {
         return Err(TestCaseError::reject("no solution"));
     };
-    // The results calculated together with the derivatives equal the results of a plain solve,
-    // apart from rounding errors.
+    // The results calculated together with the derivatives equal the results calculated without
+    // derivatives, apart from rounding errors.
     let torque = |o: Option<f64>| o.expect("a torque");
     let eta = numbers.efficiency;
     let (rounding, step, apart) = tolerances(settings.model);
@@ -206,7 +206,7 @@ fn check_derivatives(case: &Case, settings: &Settings) -> Result<(), TestCaseErr
     Ok(())
 }
 
-/// Returns the same operating point at speeds that are a thousand to a million times smaller.
+/// Returns the case with its speeds divided by 10 to the power of `log_factor`.
 fn reduce_speeds(mut case: Case, log_factor: f64) -> Case {
     let factor = 10.0_f64.powf(-log_factor);
     for speed in [&mut case.screw_speed_rpm, &mut case.nut_speed_rpm] {
@@ -282,8 +282,8 @@ fn closed_form_friction_derivative_matches_the_formula() {
 }
 
 /// The effect of the inertia of slow balls is proportional to the square of the speed. This must
-/// also be true below 15 rpm in model `rigid` and below 47 rpm in model `elastic`, where the result
-/// is extrapolated from faster balls.
+/// also be true below 15 rpm in model `rigid` and below 47 rpm in model `elastic`, where the
+/// results are extrapolated from results at higher speeds.
 #[test]
 fn effect_of_ball_density_on_efficiency_is_proportional_to_speed_squared() {
     for model in [Model::Rigid, Model::Elastic] {
@@ -369,7 +369,7 @@ proptest! {
         check_derivatives(&case, &Settings { control: Some(control), ..Model::RacewayControl.into() })?;
     }
 
-    /// The balls are so slow that the result is extrapolated from faster balls.
+    /// The balls are so slow that the results are extrapolated from results at higher speeds.
     #[test]
     fn derivatives_of_slow_balls_match_finite_differences(case in random_cases(), log_factor in 3.0..6.0_f64) {
         let case = reduce_speeds(case, log_factor);
@@ -406,7 +406,7 @@ proptest! {
 /// Model `raceway-control` calculates its results with a coarser quadrature rule than their
 /// derivatives. Theory 12 states the resulting deviations in percent.
 #[test]
-fn raceway_control_differences_deviate_from_derivatives_as_documented() {
+fn raceway_control_finite_differences_deviate_from_derivatives_as_documented() {
     let json = include_bytes!("../../../../examples/dong2020.json");
     let case = Case::from_json(json).expect("a case");
     let settings = Settings::from(Model::RacewayControl);

@@ -120,8 +120,8 @@ fn buckling_is_checked_between_bearing_and_nut() {
     assert!(!source(&["buckling_support=fixed-fixed"]).contains("(default)"));
 }
 
-/// A bore of half the core diameter reduces cross section, inertia and mass by the values of the
-/// removed rod.
+/// A bore of 20 mm reduces cross section, inertia and mass by the values of a rod with this
+/// diameter.
 #[test]
 fn screw_bore_reduces_area_inertia_and_mass() {
     let (solid, hollow) = (axis(&[]), axis(&["screw_bore_mm=20"]));

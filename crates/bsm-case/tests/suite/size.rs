@@ -122,7 +122,7 @@ fn rules_match_a_calculation_in_catalog_units() {
         near(number(&report, "axis_stiffness_N_um"), series, TIGHT, "axis");
         // The guide friction is 1 % of the weight of 500 kg and acts in both directions.
         near(number(&report, "lost_motion_um"), 2.0 * 49.033_25 / series, TIGHT, "lost motion");
-        // Two fixed bearings with a stiffness of 1 kN/um each prevent a part of the thermal
+        // Two fixed bearings, each with a stiffness of 1 kN/um, prevent a part of the thermal
         // expansion.
         let own = e * a / l / 1e3;
         let left = if support == "fixed-fixed" { 1.0 - 1.0 / (1.0 + own * 2e-3) } else { 1.0 };
@@ -197,9 +197,9 @@ fn screw_torque_is_the_sum_of_the_listed_torques() {
     }
 }
 
-/// The sheet answers each of these frequent questions in one line: which torque to measure (THK
-/// BNFN4010-5, A-689: 0.865 N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and whether
-/// the load falls.
+/// The axis sheet answers each of three frequent questions in one line: which torque to measure
+/// (THK BNFN4010-5, A-689: 0.865 N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and
+/// whether the load falls.
 #[test]
 fn axis_sheet_states_preload_torque_and_temperature_and_whether_the_load_back_drives() {
     const NUT: [&str; 9] = [
@@ -218,8 +218,8 @@ fn axis_sheet_states_preload_torque_and_temperature_and_whether_the_load_back_dr
         report.answer.notes.iter().find(|note| note.contains(words)).cloned()
     };
     let level = with(&["stroke_mm=1100", "unsupported_length_mm=1320"]);
-    // The torque is the product of 0.05/sqrt(tan), with tan = 10/(pi 41.75) to six digits, the
-    // preload of 3000 N and the lead of 10 mm per turn.
+    // The torque is 0.05/sqrt(tan) times the preload of 3000 N times the lead of 10 mm, divided by
+    // 2 pi, with tan = 10/(pi 41.75). The expected value has six digits.
     near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
     let measure =
         note(&level, "According to the manufacturers' rule, a measurement").expect("a preload");
@@ -236,7 +236,8 @@ fn axis_sheet_states_preload_torque_and_temperature_and_whether_the_load_back_dr
     let ungraded = ungraded.expect("a preload");
     assert!(ungraded.contains("the tolerance follows from accuracy_grade"), "{ungraded}");
 
-    // No load acts on a horizontal axis at rest, because its only load is the process force.
+    // No load acts on a horizontal axis at rest, because its only load is the process force, which
+    // acts only during motion.
     assert!(note(&level, "No force acts at rest").is_some());
 
     // The temperature has an uncertainty band. The time constant is the heat capacity of the screw
@@ -280,7 +281,7 @@ fn axis_sheet_states_preload_torque_and_temperature_and_whether_the_load_back_dr
 /// screw, and the motor brakes with less torque than it needs for lifting. The holding torque is
 /// between these torques.
 #[test]
-fn a_vertical_axis_needs_less_torque_for_lowering() {
+fn vertical_axis_needs_less_torque_for_lowering_than_for_lifting() {
     let report = axis(&[
         "preload_N=1",
         "inclination_deg=90",
@@ -294,7 +295,8 @@ fn a_vertical_axis_needs_less_torque_for_lowering() {
     let (up, down, rest) = (torque(0), torque(1), torque(2));
     near(rest, weight * 20e-3 / TAU, 1e-9, "rest");
     assert!(up > rest && down < rest && down > 0.0, "{up} {down} {rest}");
-    // Load and speed have the same magnitude in both directions, and so does the friction.
+    // Load and speed have the same magnitude in both directions, so the friction torques are nearly
+    // equal.
     assert!(((up - rest) / (rest - down) - 1.0).abs() < 0.2, "{up} {down} {rest}");
     let holding = number(&report, "holding_torque_Nm");
     assert!(holding < rest && holding > down, "{holding} {down}");
@@ -441,7 +443,7 @@ fn assert_agrees_with_sheet(report: &DesignReport, model: Model, what: &str) {
 /// moved mass, guides, preload and cycle, but ignored them. Accepted screws therefore failed on
 /// their own axis sheet.
 #[test]
-fn command_select_accepts_only_nuts_that_pass_all_axis_checks() {
+fn select_command_accepts_only_nuts_that_pass_all_axis_rules() {
     let cycle = r#"cycle=[{"time_s":1,"force_N":9000,"feed_m_min":20},{"time_s":2,"force_N":-4000,"feed_m_min":-30},
         {"time_s":1,"force_N":12000},{"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":1}]"#;
     for settings in [
@@ -474,7 +476,7 @@ fn command_select_accepts_only_nuts_that_pass_all_axis_checks() {
         )
     };
     // The weight increases the load from 10.05 kN to 14.9 kN.
-    assert!(best(&upright) > 1.1 * best(&level), "the weight has no part in the choice");
+    assert!(best(&upright) > 1.1 * best(&level), "the weight does not affect the choice");
 }
 
 /// Returns a generator of random numbers between two bounds. The numbers are uniformly distributed
@@ -489,7 +491,7 @@ fn log_uniform_generator(seed: u64) -> impl FnMut(f64, f64) -> f64 {
 /// dry and lubricated nuts. The efficiency of an axis used to be 0.99181 in `select` and 0.99217 in
 /// `axis`, which used another model.
 #[test]
-fn commands_select_and_axis_and_nut_and_solve_give_equal_results() {
+fn all_commands_give_equal_values_for_shared_outputs() {
     let (mut draw, mut axes) = (log_uniform_generator(44), 0);
     let (catalog, rounds) = (Catalog::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
@@ -667,7 +669,7 @@ fn axis_sheet_of_the_selected_screw_states_the_required_life() {
     let torque = requirement(
         r#"{"screw_torque_Nm": 20, "moved_mass_kg": 50, "stroke_mm": 700, "feed_m_min": 15, "friction_coefficient": 0.05}"#,
     );
-    let torque = torque.expect_err("a mass beside the torque of all").to_string();
+    let torque = torque.expect_err("a mass in addition to the total torque").to_string();
     assert!(torque.contains("moved_mass_kg"), "{torque}");
 }
 
@@ -767,9 +769,8 @@ fn manufacturer_tables_are_read_with_catalog_column_names_or_program_column_name
     }
 }
 
-/// Each result only needs its own inputs, the buckling rule names its end conditions, and the axial
-/// play is a part of the lost motion. The comments show how the expected values were calculated by
-/// hand. The values in the file have twelve digits, of which six are compared.
+/// Each result needs only the inputs on which it depends. The comments show how the expected values
+/// were calculated by hand. Six digits are compared.
 #[test]
 fn each_result_requires_only_the_inputs_on_which_it_depends() {
     let sheet = |case: &str| {
@@ -803,7 +804,7 @@ fn each_result_requires_only_the_inputs_on_which_it_depends() {
         "The critical speed is not calculated, because inputs are missing: ",
     );
     let buckling =
-        ("buckling_safety", "The buckling is not calculated, because inputs are missing: ");
+        ("buckling_safety", "The buckling safety is not calculated, because inputs are missing: ");
     // At an efficiency of 0.9, the screw torque is F h/0.9, with h = lead / (2 pi).
     let torque = sheet(r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500}"#);
     close(&torque, "screw_torque_Nm", 2.497_512_153_387_48);

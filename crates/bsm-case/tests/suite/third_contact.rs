@@ -113,7 +113,7 @@ fn radial_gap_counts_as_play() {
     // A radial gap moves the far flanks away from the ball, as an axial play does.
     let gaps = [0.0, 3.0, 6.0, 9.0].map(|gap| torque(&[&format!("radial_gap_um={gap}")]));
     assert!(gaps.windows(2).all(|pair| pair[1] < pair[0]), "{gaps:?}");
-    // Balls with two contacts roll at the contact angle of their first touch.
+    // Balls with two contacts roll at the contact angle at which they first touch the grooves.
     let (l, gap) = (6.35 * (2.0 * 0.53 - 1.0), 0.09);
     let angle = (45_f64.to_radians().cos() - gap / l).acos().to_degrees();
     let wide = torque(&["radial_gap_um=90"]);
@@ -199,7 +199,7 @@ fn loss_of_a_lubricated_third_contact_equals_the_loss_of_a_dry_third_contact() {
     let [below, above] = [low, high].map(|play| power(&at(Some(play)).0));
     assert!((below / above - 1.0).abs() < 1e-6, "{below} {above}");
     assert!((above / power(&two) - 1.0).abs() < 1e-12, "{above}");
-    // The loss that the third contact adds equals the loss of dry balls.
+    // The third contact adds the same loss as for dry balls with the mean friction coefficient.
     let mean = 0.5
         * ["nut_friction_coefficient", "screw_friction_coefficient"]
             .map(|name| two.number(named(name)).expect(name))
@@ -252,8 +252,7 @@ fn axis_sheet_states_third_contacts_and_drag_in_both_directions() {
         [&with, &wide].map(|report| of(report, "running_preload_torque_factor"));
     assert!(running > 1.4 * of_two && running < rule, "{running} {of_two} {rule}");
     assert!(of(&with, "running_preload_N") < of(&wide, "running_preload_N"));
-    // Without load, reversing the direction only exchanges the roles of the balls in two equal
-    // nuts.
+    // Without load, reversing the direction only exchanges the roles of the two equal nuts.
     for name in ["preload_torque", "running_preload_torque"] {
         let there = of(&with, &format!("{name}_Nm"));
         let back = of(&with, &format!("{name}_reverse_Nm"));
@@ -267,7 +266,7 @@ fn axis_sheet_states_third_contacts_and_drag_in_both_directions() {
     assert!(unknown.answer.notes.iter().any(|note| note.contains(assumed)));
 }
 
-/// Under load, the friction of balls that drive differs from the friction of balls that are driven.
+/// Under load, the friction depends on whether the nut moves against the load or with the load.
 #[test]
 fn friction_of_a_loaded_nut_depends_on_the_direction_of_travel() {
     let nut = |rpm: f64| {
@@ -307,8 +306,8 @@ fn lubricated_pair_has_more_drag_with_little_play_than_with_large_play() {
         let [little, wide, unknown] = [&none, &wide, &unknown]
             .map(|nut| nut.number(named(name)).unwrap_or_else(|| panic!("{name}")));
         assert!(little > 1.2 * wide, "{name}: {little} {wide}");
-        // Whether the play is large or unknown, the balls have two contacts and are solved in the
-        // same way.
+        // The balls have two contacts if the play is large or unknown, and they are solved in the
+        // same way in both cases.
         assert!((wide / unknown - 1.0).abs() < 1e-9, "{name}: {wide} {unknown}");
     }
     assert_eq!(wide.number(output!(third_contact_balls)), Some(0.0));

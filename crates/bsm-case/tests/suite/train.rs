@@ -26,8 +26,8 @@ fn number(report: &NutReport, name: &str) -> f64 {
     report.number(named(name)).unwrap_or_else(|| panic!("{name}"))
 }
 
-/// The tolerances in the file are relative: to the friction torque for torques, and to the largest
-/// push force for push forces.
+/// The tolerances of torques are relative to the friction torque, and the tolerance of the largest
+/// push force is relative to this force.
 #[test]
 fn ball_train_matches_reference_cases() {
     for reference in reference_cases() {
@@ -132,7 +132,8 @@ fn torque_matches_sum_over_individually_solved_balls_if_the_balls_do_not_touch()
         assert!((a - b).abs() <= 1e-9 * b, "{name}: {a} {b}");
     }
     assert!(without.number(output!(max_push_N)).is_none());
-    // The torque of assumed ball-to-ball contacts is only a bound if the gap is unknown.
+    // The bound for the torque of assumed ball-to-ball contacts is 0 for a sufficient gap, and
+    // positive for an unknown gap.
     assert_eq!(with.number(output!(ball_contact_band_Nm)), Some(0.0));
     assert!(number(&without, "ball_contact_band_Nm") > 0.0);
 }

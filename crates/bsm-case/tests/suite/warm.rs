@@ -149,8 +149,9 @@ fn thermal_folds_match_reference_cases() {
     }
 }
 
-/// The reference determines the fold of WS-P3 to 0.05 K, which corresponds to 40 N. It determines
-/// the unstable state to the tolerance of the case.
+/// In the reference, the temperatures at the fold of WS-P3 are accurate to 0.05 K, which
+/// corresponds to 40 N of preload. The unstable state is accurate to the tolerance of the reference
+/// case.
 #[test]
 fn thermal_fold_and_unstable_warm_state_match_the_reference() {
     let (axis, reference) = case("WS-P3", |_| {});
@@ -187,7 +188,7 @@ fn thermal_fold_and_unstable_warm_state_match_the_reference() {
     assert_eq!(nut.answer().number(output!(fold_searched_to)), None);
 }
 
-/// The cold life equals the life under the same cycle without a warm state.
+/// The life with the cold preload equals the life under the same cycle without a warm state.
 #[test]
 fn life_at_assembly_temperature_equals_the_life_without_a_warm_state() {
     let lives = |warm: bool, name: &str| {
@@ -203,10 +204,11 @@ fn life_at_assembly_temperature_equals_the_life_without_a_warm_state() {
     let cold = lives(true, "cold_cycle_life_revolutions");
     // Both calculations find the preload with a relative error of at most 1e-10.
     assert!((cold / lives(false, "cycle_life_revolutions") - 1.0).abs() < 1e-9);
-    assert!(lives(true, "cycle_life_revolutions") < cold, "a preload that rises takes life");
+    assert!(lives(true, "cycle_life_revolutions") < cold, "a rising preload reduces the life");
 }
 
-/// The number of balls and turns of a nut can be given by circuits.
+/// Columns of the warm state are also available if circuits define the numbers of balls and turns
+/// of the nut.
 #[test]
 fn warm_state_columns_are_available_for_a_nut_given_by_circuits() {
     let (case, _) = case("WS-P3", |_| {});
@@ -216,7 +218,8 @@ fn warm_state_columns_are_available_for_a_nut_given_by_circuits() {
     }
 }
 
-/// WS-P3 has no steady state above its fold. The rule states the speed ratio, 1166.55 of 1500 rpm.
+/// WS-P3 has no steady state above its fold. The rule states the ratio of the speed at the fold to
+/// the given speed, 1166.55 rpm / 1500 rpm.
 #[test]
 fn steady_state_rule_fails_above_the_thermal_fold() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
@@ -230,7 +233,7 @@ fn steady_state_rule_fails_above_the_thermal_fold() {
 }
 
 #[test]
-fn contradictory_warm_inputs_are_rejected() {
+fn contradictory_inputs_of_the_warm_state_are_rejected() {
     let refused = |id: &str, change: &dyn Fn(&mut Value), words: &str| {
         let (case, _) = case(id, change);
         let why = AxisReport::of(&case, &settings()).expect_err(words).to_string();
@@ -258,8 +261,8 @@ fn feed_axis(settings: &[&str]) -> Case {
     case
 }
 
-/// An output has the same value in the nut, the axis, the warm state, the columns of tables, and
-/// the torque of `bsm solve`.
+/// An output of the warm state has the same value in the results for the nut, for the axis and for
+/// the warm state, and in the torque of `bsm solve`.
 #[test]
 fn outputs_of_the_warm_state_are_equal_in_all_commands() {
     let case = feed_axis(&[]);
@@ -282,8 +285,8 @@ fn outputs_of_the_warm_state_are_equal_in_all_commands() {
     for name in ["nut_temperature_C", "screw_temperature_C", "balls_temperature_C"] {
         same(name, nut.answer().number(named(name)), sheet.number(named(name)), 1e-9);
     }
-    // Both answers interpolate the friction of balls that differ only in their loads, with an error
-    // of 1e-9.
+    // Both values of the heat are based on friction that is interpolated over the ball load, with
+    // an error of 1e-9.
     same("heat", sheet.number(output!(mean_heat_W)), sheet.number(output!(steady_heat_W)), 1e-7);
     let parts = torque_parts(&case, &settings(), &mut ModelWorkspace::default())
         .expect("a torque")
@@ -311,8 +314,8 @@ fn message_states_why_no_warm_state_exists() {
 }
 
 /// If the nut of WS-P5 turns faster and loses its preload, one ball after another loses contact,
-/// but a steady state always exists. In raceway control, the friction jumps at each of these
-/// points.
+/// but a steady state always exists. In raceway control, the friction jumps each time a ball loses
+/// contact.
 #[test]
 fn warm_states_exist_where_balls_lose_their_load() {
     let mut last = f64::INFINITY;
@@ -342,8 +345,8 @@ fn preload_causes_drag_in_a_cycle_without_load() {
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let [mean, steady] =
         ["mean_heat_W", "steady_heat_W"].map(|name| sheet.number(named(name)).expect(name));
-    // Both answers interpolate the friction of balls that differ only in their loads, with an error
-    // of 1e-9.
+    // Both values of the heat are based on friction that is interpolated over the ball load, with
+    // an error of 1e-9.
     assert!((mean / steady - 1.0).abs() < 1e-7, "{mean} {steady}");
     assert!(sheet.answer.to_json()["rules"].to_string().contains("warm_preload_N"));
 }
@@ -426,7 +429,7 @@ fn thermal_compression_reduces_the_buckling_safety() {
 /// of states of an X pair ends at a fold, with dry friction and with a lubricant, and then returns
 /// to lower speeds at higher preloads. The branch of an O pair has no fold.
 #[test]
-fn warm_states_of_x_pairs_have_a_thermal_fold_and_those_of_o_pairs_have_none() {
+fn warm_states_have_a_thermal_fold_in_x_but_not_in_o_arrangement() {
     let oil = ["iso_vg", "ball_roughness_um", "nut_roughness_um", "screw_roughness_um"];
     for (arrangement, dry) in [("X", false), ("X", true), ("O", false), ("O", true)] {
         let word = format!("preload_arrangement={arrangement}");
@@ -536,7 +539,7 @@ fn selection_takes_the_warm_state_into_account() {
         cold.apply(&["warm_state=true", "fold_search_factor=1.3"]).expect("settings");
         !AxisReport::of(&cold, &settings).is_ok_and(|sheet| sheet.passes())
     });
-    assert!(differ, "the limit chooses another screw");
+    assert!(differ, "the warm state does not change the selected screw");
 }
 
 /// The program used to find no steady state at 17 of 91 preloads from 690 to 720 N, and at 5 of 31

@@ -33,20 +33,22 @@ pub(super) struct Stop {
     pub(super) distance: f64,
 }
 
-/// The end of a phase with the largest motor torque or the largest utilization of the motor.
+/// The start or end of a phase at which the motor torque or the utilization of the motor is
+/// largest.
 pub(super) struct MotorPeak {
     /// Axial load, including the force that accelerates the moved mass \[N\].
     pub(super) load: f64,
-    /// Motor torque in the direction in which it acts \[N·m\].
+    /// Magnitude of the motor torque \[N·m\].
     torque: f64,
-    /// Part of the motor torque that does not depend on the load \[N·m\].
+    /// Part of the motor torque that does not depend on the load \[N·m\], positive in the direction
+    /// of the motor torque.
     without_load: f64,
 }
 
 impl MotorPeak {
-    /// Returns the absolute axial load at which the motor torque has a given ratio to its value
-    /// \[N\]. Assumes that contact friction without preload is proportional to the load. Returns
-    /// `None` if no load has this torque.
+    /// Returns the absolute axial load at which the motor torque is `ratio` times the torque at
+    /// this peak \[N\]. Assumes that contact friction without preload is proportional to the load.
+    /// Returns `None` if no load causes this torque.
     pub(super) fn load_at(&self, ratio: f64) -> Option<f64> {
         let of_load = self.torque - self.without_load;
         let share = (ratio * self.torque - self.without_load) / of_load;
@@ -217,7 +219,7 @@ impl AxisState<'_> {
     /// (BB5).
     pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
         /// Largest and smallest ratio of the actual friction coefficient to the given friction
-        /// coefficient. The given value is rarely measured.
+        /// coefficient. The range is wide, because the given coefficient is rarely measured.
         const FRICTION: [f64; 2] = [2.0, 0.5];
         let (settings, advance) = (self.settings, self.machine.advance());
         let load = self.machine.rest_load.abs();
@@ -281,7 +283,7 @@ impl AxisState<'_> {
             BackDriving::Turns => "The load at rest back-drives the screw; a brake is needed.",
             BackDriving::Undecided => "The load at rest may back-drive the screw; use a brake.",
             BackDriving::Holds => {
-                "Friction holds the load at rest, but vibration can release it, so friction is not a safety function."
+                "Friction holds the load at rest, but vibration can release the load, so do not rely on friction for safety."
             }
         };
         let brake = self.required_brake()?;

@@ -172,7 +172,7 @@ impl AxisState<'_> {
         open.into_iter().chain(first)
     }
 
-    /// Returns a note if a driven nut can excite its screw near the critical speed.
+    /// Returns a warning if a driven nut can excite its screw near the critical speed.
     fn resonance(&self) -> Option<String> {
         let (shaft, ratio) = (self.shaft()?, self.axis().nut_resonance_ratio()?);
         let critical = self.axis().fastest() / ratio;
@@ -186,7 +186,7 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns a note if constrained thermal expansion compresses a screw between two fixed
+    /// Returns a warning if constrained thermal expansion compresses a screw between two fixed
     /// bearings and no rule checks the bearings.
     fn hindered_growth(&self) -> Option<String> {
         let tension = self.tension().filter(|tension| *tension < 0.0)?;
@@ -383,7 +383,8 @@ impl AxisState<'_> {
             let drives = heaviest.point.load * heaviest.point.direction() < 0.0;
             let friction = contacts::by_catalog(self.case).friction(heaviest.ideal, drives);
             let frictions = contacts::usual_frictions(heaviest.ideal, drives);
-            // Friction acts against the load, unless the load drives the screw.
+            // Friction increases the torque, unless the load drives the screw. Friction then
+            // reduces the torque.
             let usual = frictions.map(|usual| if drives { friction - usual } else { usual - friction });
             let [one, other] = usual.map(|more| torque + more);
             let (low, high) = (one.min(other), one.max(other));

@@ -53,7 +53,8 @@ impl AxisState<'_> {
         let (in_mm, force, torque_unit) = (units.of("mm"), units.of("N"), units.of("N m"));
         let mm = |meters: f64| trimmed(in_mm.value(meters / MM));
         let length = |meters: f64| units.length(meters / MM);
-        // Without `nut_length_mm`, the length of the nut and the lengths that contain it are estimates.
+        // Without `nut_length_mm`, the nut length and all lengths that include the nut are
+        // estimates.
         let estimate = if self.case.nut_length_mm.is_none() { " (estimated)" } else { "" };
         let with_nut = |meters: f64| length(meters) + estimate;
         // A calculated land diameter must not be stated as the nominal diameter.
@@ -64,7 +65,7 @@ impl AxisState<'_> {
         order.add("manufacturer", "", self.case.entries.manufacturer.clone());
         order.add("code", "", self.case.entries.order_code.clone());
         order.add("size", "", format!("{size} x {} {}", mm(screw.lead), in_mm.text));
-        // The order omits the ball diameter of an estimated groove.
+        // The order data do not contain the ball diameter of an estimated groove.
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
         if let Some((nut, _)) = given {
             let circuits = self.case.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
@@ -116,7 +117,8 @@ impl AxisState<'_> {
         self.torque_tolerance().percent(self.preload.as_ref()?.by_rule)
     }
 
-    /// Returns the lower or upper limit of the torque that verifies the preload \[N·m\].
+    /// Returns a limit of the torque that verifies the preload \[N·m\]: the lower limit if `side`
+    /// is -1, and the upper limit if `side` is 1.
     pub(super) fn torque_by(&self, side: f64) -> Option<f64> {
         self.torque_tolerance().end(self.preload.as_ref()?.by_rule, side)
     }

@@ -253,7 +253,7 @@ fn criterion(
     (at_least, limit): (bool, Option<f64>),
     remedy: impl Fn(f64) -> String,
 ) -> Option<Criterion> {
-    let Quantity { symbol, unit, .. } = *quantity(name).expect("rules are of quantities");
+    let Quantity { symbol, unit, .. } = *quantity(name).expect("the quantity of a rule exists");
     // The limit is NaN if it depends on a missing input, and the rule is then omitted.
     if limit.is_some_and(f64::is_nan) {
         return None;
@@ -399,7 +399,7 @@ rules! {
     "equivalent load" equivalent_load_N at_most Some(of.axis.dynamic_rating),
         "dynamic load rating for a million revolutions (D13)",
         format!("a dynamic load rating of at least {} N", at_least(of.axis.dynamic_rating / margin, 0));
-    // If no speed limit of the motor is given, the rule is omitted.
+    // The rule for the motor speed is omitted if no speed limit of the motor is given.
     "motor speed" motor_speed_rpm = of.needed(output!(motor_speed_rpm), motor_speed(of.case)),
         at_most motor_speed(of.case),
         "THK A-719",

@@ -399,8 +399,9 @@ impl<'a> AxisState<'a> {
         self.heaviest_phase().map(PhaseTorques::heavier)
     }
 
-    /// Returns the largest torque at the screw among the ends of the phases in motion that have the
-    /// largest load \[N·m\]. It is positive if it acts against the load.
+    /// Returns the largest torque at the screw \[N·m\] at the largest load. All starts and ends of
+    /// phases with motion that have this load are considered. It is positive if it acts against the
+    /// load.
     pub(super) fn torque_at_largest_load(&self) -> Option<f64> {
         let largest = self.heaviest()?.point;
         let moving = self.torques.iter().filter(|torques| torques.phase.moves());
@@ -445,8 +446,9 @@ fn life_by_balls(
         };
         let ours = nut.number(output!(life_by_balls_revolutions))?;
         let rated = nut.number(output!(iso_life_revolutions))?;
-        // Only the ratio of the two lives is taken from the ball model, because the load rating may
-        // come from the manufacturer.
+        // Only the ratio of the life from the loads of all balls to the life according to ISO
+        // 3408-5 is taken from the ball model, because the load rating may come from the
+        // manufacturer.
         let preload = nut.number(output!(warm_preload_N)).filter(|_| case.is_preloaded());
         let duty = Duty { load, speed: 1.0, time: 1.0 };
         let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;

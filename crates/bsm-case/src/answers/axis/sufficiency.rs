@@ -26,7 +26,7 @@ const RESULTS: [(&str, OutputName, &[Need]); 7] = [
     ("static safety", output!(static_safety_factor), &[StaticRating, Load]),
     ("screw torque", output!(screw_torque_Nm), &[Lead, Load, Speed]),
     ("critical speed", output!(critical_speed_ratio), &[Core, Length, Speed]),
-    ("buckling", output!(buckling_safety), &[Core, Length, Load]),
+    ("buckling safety", output!(buckling_safety), &[Core, Length, Load]),
     ("core stress", output!(yield_load_N), &[Core, Load]),
     ("speed number", output!(largest_speed_number_mm_min), &[PitchCircle, Speed]),
 ];

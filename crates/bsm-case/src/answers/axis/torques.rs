@@ -101,6 +101,8 @@ pub(crate) struct Torques {
 }
 
 impl Torques {
+    /// Creates the torques at one moment of a phase.
+    ///
     /// * `advance`: travel per radian of screw rotation \[m\].
     /// * `drag`: friction torque of ball returns and lubricant due to the preload \[N·m\].
     pub(super) fn of(
@@ -186,6 +188,8 @@ pub(crate) struct PhaseTorques {
 }
 
 impl PhaseTorques {
+    /// Calculates the torques at the ends of a phase, and their averages over the phase.
+    ///
     /// * `preload`: preload of a nut pair \[N\].
     /// * `at`: function that calculates the torques at a moment of the phase.
     pub(super) fn of(

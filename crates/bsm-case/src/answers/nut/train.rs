@@ -53,7 +53,7 @@ fn too_large(push: &str, part: f64, of: &str) -> String {
 /// Returns a sentence that explains why the friction torque with push forces between the balls is
 /// missing.
 pub(super) fn not_pushed(why: &str) -> String {
-    format!("The friction torque with push forces between the balls is not calculated: {why}")
+    format!("The friction torque with push forces between the balls is not calculated: {why}.")
 }
 
 /// Returns true if the model calculates the free speeds of the balls, which determine the push
@@ -185,19 +185,19 @@ impl NutReport {
             circuits.filter(|(i, circuit)| count(circuit.balls) > nut.room(*i, spacer) + 1.0);
         let mut warnings: Vec<_> = crowded
             .map(|(i, circuit)| {
-                format!("{} balls are too many: {}", circuit.balls, room(nut, i, spacer))
+                format!("{} balls are too many: {}.", circuit.balls, room(nut, i, spacer))
             })
             .collect();
         let Some(train) = self.train() else { return warnings };
         let part = train.largest_push / self.found().mean_load();
         if part > MAX_PUSH_RATIO {
             let beyond = too_large(&format!("{:.3} N", train.largest_push), part, "mean");
-            warnings.push(format!("{beyond}, so the torque is an estimate"));
+            warnings.push(format!("The torque is an estimate, because {beyond}."));
         }
         match train.number_of(Rolling::Blocked) {
             0 => {}
             blocked => warnings.push(format!(
-                "{blocked} balls do not roll, because friction of neighboring balls stops their rotation"
+                "{blocked} balls do not roll, because friction of neighboring balls stops their rotation."
             )),
         }
         warnings
