@@ -66,8 +66,8 @@ impl Times {
 /// round is sufficient.
 const ROUNDS: usize = if cfg!(debug_assertions) { 1 } else { 5 };
 
-/// Minimum duration of a measurement. A shorter measurement would be inaccurate because of the
-/// limited resolution of the clock.
+/// Minimum duration of a measurement. A shorter measurement would be inaccurate because the clock
+/// has a limited resolution.
 const MIN_DURATION: Duration = Duration::from_millis(8);
 
 /// Minimum number of rows in a table that is solved by a fast model. With fewer rows, the overhead
@@ -88,8 +88,7 @@ const OUTPUTS: [&str; 6] = [
 /// Number of identical rows in the table that is used to measure a single point.
 const ROWS: usize = 64;
 
-/// The kinds of times that are measured for a setting. The number in `Batch` is the index of a
-/// group.
+/// A kind of time that is measured for a setting. The number in `Batch` is the index of a group.
 #[derive(Debug, Clone, Copy)]
 enum Way {
     Single,
