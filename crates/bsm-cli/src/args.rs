@@ -232,8 +232,7 @@ pub(crate) struct ModelArgs {
     /// defaults to 1e-4.
     #[arg(long, value_name = "RATIO", value_parser = number_of(Settings::CREEP))]
     creep: Option<f64>,
-    /// Controlling raceway in model raceway-control: nut or screw. By default, the spin moments
-    /// decide.
+    /// Controlling raceway in raceway-control: nut or screw. Automatic by default.
     #[arg(long, value_name = "RACEWAY", hide_possible_values = true, value_parser = PossibleValuesParser::new(Control::ALL.map(Control::name)))]
     control: Option<String>,
     /// Friction of a lubricant film in model raceway-control: local (at each point, the default) or
