@@ -370,7 +370,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         Ok(format!("| {what} | {} ms |", short(each)))
     };
     let mut dry: Value = serde_json::from_str(&fs::read_to_string(site.root.join(AXIS))?)?;
-    let inputs = dry.as_object_mut().ok_or("the case is no object")?;
+    let inputs = dry.as_object_mut().ok_or("the case is not a JSON object")?;
     inputs.retain(|name, _| name != "iso_vg" && !name.ends_with("_roughness_um"));
     inputs.insert("friction_coefficient".to_owned(), 0.05.into());
     fs::write(folder.path().join("dry.json"), dry.to_string())?;

@@ -121,7 +121,7 @@ fn catalog_nuts_are_filtered_sorted_and_written() {
 }
 
 #[test]
-fn bad_catalog_requests_are_reported() {
+fn invalid_options_for_the_nut_list_are_reported() {
     let dir = folder();
     let heavy = ["--where", "dynamic_load_rating_N>=5e6"];
     let output = bsm(dir.path(), &[&["select"], &heavy[..]].concat(), "");
