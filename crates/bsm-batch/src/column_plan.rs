@@ -44,8 +44,8 @@ pub(crate) struct ColumnPlan<'a> {
 }
 
 impl<'a> ColumnPlan<'a> {
-    /// Returns the plan. Returns `None` if different rows need different models, or if every row
-    /// has an error that must be reported.
+    /// Creates the plan for a table. Returns `None` if different rows need different models, or if
+    /// every row has an error that must be reported.
     pub(crate) fn new(base: &'a Case, settings: &Settings, columns: &'a Columns) -> Option<Self> {
         settings.check().ok()?;
         if base.asks_warm() {

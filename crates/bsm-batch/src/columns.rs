@@ -239,15 +239,16 @@ impl Columns {
 #[derive(Debug, Clone, Default)]
 pub struct ColumnUnits {
     display: DisplayUnits,
-    /// Outputs that the user selected in another unit: output, displayed name, and displayed unit.
+    /// Outputs that the user requested in a unit other than the default, each with its displayed
+    /// name and unit.
     selected: Vec<(&'static str, String, DisplayUnit)>,
 }
 
 impl ColumnUnits {
     /// Determines the units in which the columns are displayed.
     ///
-    /// * `columns`: names of the selected outputs. If a name ends with another unit than the name
-    ///   of the output, the column is displayed in this unit.
+    /// * `columns`: names of the selected outputs. If a name ends with a unit other than the
+    ///   default unit of the output, the column is displayed in this unit.
     pub fn new(display: DisplayUnits, columns: Option<&[String]>) -> Self {
         let in_other_unit = |name: &String| {
             let (output, unit) = Output::in_unit(name)?;

@@ -386,8 +386,8 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// Returns [`PartDefect`] as the inner error if the file is not this part, and
-    /// [`DatasetError::Stopped`] if the run is stopped.
+    /// Returns [`PartDefect`] as the inner error if the file is damaged or is not the requested
+    /// part, and [`DatasetError::Stopped`] if the run is stopped.
     fn find(
         &self,
         number: u64,

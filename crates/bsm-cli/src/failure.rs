@@ -95,7 +95,9 @@ impl Failure {
 
     /// Reports that this program was built without the feature that the command or the file needs.
     pub(crate) fn not_built(feature: &str) -> Self {
-        Self::Input(format!("this program was built without `{feature}`"))
+        Self::Input(format!(
+            "this program was built without the feature `{feature}`; build bsm with this feature"
+        ))
     }
 
     /// Prints the failure to standard error and returns the exit code.

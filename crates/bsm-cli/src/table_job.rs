@@ -142,8 +142,9 @@ impl Job<'_> {
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
         let form = form_of(path)?;
-        // The origin of the table cannot be stored in text formats. The description of the origin
-        // is created only if it is needed, because this requires reading the whole table of points.
+        // Text formats cannot store the origin of the table. The description of the origin is
+        // created only if it is needed, because creating it requires reading the whole table of
+        // points.
         let is_text = matches!(form, Form::Table(Format::Csv | Format::JsonLines));
         let mut about = if is_text && self.about.is_none() {
             Value::Null

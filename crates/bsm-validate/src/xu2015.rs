@@ -87,8 +87,8 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     ];
     let exact = touch.map(|touch| ball.differential_slip(&touch));
     let worst = largest((0..2).map(|i| (printed[i] / exact[i] - 1.0).abs()));
-    // The distances between the groove-arc centers in Eq 3 depend only on the approaches, the
-    // contact angles and the axial displacement.
+    // The nut moves only along the axis, so the distances between the groove-arc centers in Eq 3
+    // depend only on the approaches, the contact angles and the axial displacement.
     let state = |site| solution.contact(site);
     let (mut radial, mut axial) = (0.0, 0.0);
     for (site, conformity) in
@@ -119,7 +119,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
             .at_most(1e-11, "rounding errors of speeds that are a hundred times the slip"),
         check("eq-3", "Eq 3", "the contact angles follow from the distances between the groove-arc centers")
             .measured(off, "of the length")
-            .note("the axial displacement is included in (f) and omitted in (e); as printed, both equations only reproduce the approaches")
+            .note("the axial displacement is included in Eq 3f and omitted in Eq 3e; as printed, both equations reproduce only the approaches")
             .at_most(1e-9, "the forces are balanced to 1e-10 of the load"),
     ])
 }

@@ -175,8 +175,8 @@ impl PointsEntry {
         /// Compressed size \[B\] of a number that is repeated within the 64 kB window in which
         /// Snappy finds repetitions. Measured sizes are 0.4 to 0.5 B.
         const REPEATED: f64 = 0.5;
-        /// Largest number of values on the innermost axis of a grid at which the estimate assumes
-        /// that Snappy finds the repetitions of these values.
+        /// Maximum length of the innermost grid axis for which the estimate assumes that Snappy
+        /// finds the repeated values of this axis.
         const REPEATING: usize = 1 << 14;
         match self {
             // On outer axes, the same value occurs in many consecutive rows; on the innermost axis,

@@ -176,7 +176,7 @@ fn is_quick(settings: &Settings) -> bool {
     matches!(settings.model, ModelChoice::Fixed(model) if model != Model::Traction)
 }
 
-/// Returns the median over all rounds for each of the times.
+/// Returns, for each measured time, its median over all rounds.
 fn medians(rounds: &[Vec<f64>]) -> Vec<f64> {
     let median = |place: usize| {
         let mut times: Vec<_> = rounds.iter().map(|times| times[place]).collect();
@@ -193,7 +193,7 @@ struct Bench<'a> {
     groups: Vec<Chunk>,
     /// For each group of points, a longer table that is used for fast models.
     long_groups: Vec<Chunk>,
-    /// For each point, a table in which all rows are this point.
+    /// For each point, a table whose rows are copies of this point.
     rows: Vec<Chunk>,
     outputs: Vec<&'static Output>,
     one_core: ThreadPool,
