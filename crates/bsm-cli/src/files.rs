@@ -299,7 +299,7 @@ pub(crate) fn refused(path: &Path, why: &str) -> Failure {
     Failure::Files(format!("cannot write {}: {why}", path.display()))
 }
 
-/// Input files of a run. No output of the same run may replace them.
+/// Input files of a run. The outputs of the run must not replace these files.
 #[derive(Debug, Default)]
 pub(crate) struct InputFiles(Vec<PathBuf>);
 

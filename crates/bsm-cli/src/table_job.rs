@@ -210,8 +210,8 @@ impl Job<'_> {
         Err(Failure::not_built("parquet"))
     }
 
-    /// Creates the dataset folder or checks that it has the same plan, and prints the estimated
-    /// cost.
+    /// Creates the dataset folder, or checks that an existing folder contains the plan of this run.
+    /// Prints the plan and its estimated cost.
     #[cfg(feature = "parquet")]
     fn plan(&self, folder: &Path, points: &Points, workers: &Workers<'_>) -> Result<(), Failure> {
         let plan = Plan::new(&self.task, points, self.args.rows_per_part, workers);

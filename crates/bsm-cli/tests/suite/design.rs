@@ -329,8 +329,8 @@ fn the_optimum_search_matches_the_closed_form() {
 }
 
 /// Regression test: a case with a lead angle but no contact angle, or vice versa, was rejected.
-/// Either angle determines the optimum value of the other angle. Of the figures of Lin, only those
-/// must be drawn whose inputs the case contains.
+/// Either angle determines the optimum value of the other angle. Each figure of Lin, Velinsky and
+/// Ravani (1994) must be drawn only if the case contains the inputs of the figure.
 #[test]
 fn optimum_is_found_if_only_lead_angle_or_only_contact_angle_is_known() {
     let dir = folder();
