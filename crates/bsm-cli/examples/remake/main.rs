@@ -116,7 +116,9 @@ fn main() -> Result<ExitCode> {
     let all = sources();
     let is = |source: &Source, name: &str| source.name == name || source.group() == name;
     if let Some(unknown) = names.iter().find(|name| !all.iter().any(|source| is(source, name))) {
-        eprintln!("error: no block or group is named {unknown}; `docs/remake --list` shows all names");
+        eprintln!(
+            "error: no block or group is named {unknown}; `docs/remake --list` shows all names"
+        );
         return Ok(ExitCode::from(2));
     }
     let asked = |source: &&Source| names.is_empty() || names.iter().any(|name| is(source, name));
@@ -128,7 +130,10 @@ fn main() -> Result<ExitCode> {
         match make(&site, source) {
             Ok(()) => eprintln!("{}: {:.0} s", source.name, begin.elapsed().as_secs_f64()),
             Err(error) => {
-                eprintln!("error: {}: {error}; the blocks of this command are not changed", source.name);
+                eprintln!(
+                    "error: {}: {error}; the blocks of this command are not changed",
+                    source.name
+                );
                 failed.push(source.name.as_str());
             }
         }
