@@ -1,9 +1,9 @@
-# The program alone in a small image: `docker build -t bsm .`, then
+# Builds a small image that contains only the program. Build the image with `docker build -t bsm .`, and then solve an example with
 # `docker run --rm -v "$PWD:/work" bsm solve examples/feed_drive.json`.
 FROM rust:1-slim-bookworm AS build
 WORKDIR /source
 COPY . .
-# The program contains the solver of saved pages.
+# The solver of saved pages is built first, because the program contains it.
 RUN crates/bsm-view/page-solver && cargo build --release --locked
 
 FROM debian:bookworm-slim

@@ -1,4 +1,4 @@
-# Recipes for developers. Their commands also work when they are typed by hand. CI runs `.ci/run`, which is `just check`.
+# Recipes for developers. The commands in the recipes can also be run directly. CI runs `.ci/run`, as does `just check`.
 
 _default:
     @just --list --unsorted
@@ -19,7 +19,7 @@ doc:
 test *FLAGS:
     cargo test --workspace --locked {{FLAGS}}
 
-# Run the tests with all points of the campaigns, of which ordinary tests use a tenth. Run this before a release.
+# Run the tests with all points of the test campaigns. Ordinary test runs use only a tenth of these points. Run this before a release.
 campaigns *FLAGS:
     CAMPAIGNS=whole cargo test --workspace --locked {{FLAGS}}
 
@@ -31,23 +31,23 @@ slowest:
 dist *FLAGS:
     .ci/dist {{FLAGS}}
 
-# Pack the libraries as for a registry, and compile each library from its package. Requires Cargo 1.90 and a network.
+# Package the libraries as for a registry, and compile each library from its package. Requires Cargo 1.90 and network access.
 package *FLAGS:
     cargo publish --workspace --dry-run --locked {{FLAGS}}
 
-# Build and test the Python package in a separate environment.
+# Build and test the Python package in a virtual environment.
 python:
     python/check
 
-# Build the book in target/book, which can be read and searched offline. It executes notebooks that have changed. Run `just python` first.
+# Build the book in target/book, which can be read and searched offline. Notebooks that have changed are executed. Run `just python` first.
 book:
     target/python/bin/sphinx-build -q -W --keep-going -d target/book-cache -c docs/book . target/book
 
-# Test the page in a real browser. `just page --pictures` writes the pictures of docs/guide/look.md.
+# Test the page of `bsm view` in a real browser. `just page --pictures` writes the pictures of docs/guide/look.md.
 page *FLAGS:
     crates/bsm-view/check {{FLAGS}}
 
-# Build the solver of saved pages. Programs that are built afterwards contain it. Requires rustup.
+# Build the solver that saved pages contain. Programs that are built afterwards include this solver. Requires rustup.
 page-solver:
     crates/bsm-view/page-solver
 
@@ -67,15 +67,15 @@ validate *FLAGS:
 tradeoff *FLAGS:
     cargo run --release --locked -p bsm-cli -- tradeoff {{FLAGS}}
 
-# Solve random points of extreme ranges with every model and check the results. Example: `just extremes 1000000 --model rigid`.
+# Solve random points in extreme ranges with every model, and check the results. Example: `just extremes 1000000 --model rigid`.
 extremes *FLAGS:
     cargo run --release --locked -p bsm-validate --features tools --example extremes -- {{FLAGS}}
 
-# Kill runs with four signals at random moments, resume them, and compare the results bit by bit.
+# Kill runs with four different signals at random moments, resume them, and compare the results bit by bit.
 kills:
     cargo test --workspace --locked --test suite -- --include-ignored --nocapture resume::
 
-# Kill and damage processes, workers and a scheduler, and compare every byte. The second command requires `just python`.
+# Kill processes and workers, damage files, and compare every byte of the results. Run `just python` first.
 faults:
     cargo test --workspace --locked --test suite -- --include-ignored --nocapture parts::
     BSM_FAULTS=20 target/python/bin/pytest -c python/pyproject.toml -s -k killed python/tests/test_parts.py
@@ -84,11 +84,11 @@ faults:
 fuzz *FLAGS:
     fuzz/run.sh {{FLAGS}}
 
-# Update the numbers in README and docs by running their commands. `just remake --list` lists them.
+# Update the generated numbers in README and docs by running the commands that print them. `just remake --list` lists the commands.
 remake *FLAGS:
     docs/remake {{FLAGS}}
 
-# Update the pictures of README and docs. Requires `dot` of Graphviz. Run `just python` first.
+# Update the pictures in README and docs. Requires `dot` from Graphviz. Run `just python` first.
 pictures: book (validate "--figures" "target/report") (tradeoff "--figures" "target/tradeoff")
     python3 docs/book/pictures.py
     cargo run --release --locked -p bsm-cli -- axis examples/axis.json --figures target/axis

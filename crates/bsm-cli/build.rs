@@ -4,8 +4,8 @@ use std::process::Command;
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
-    // Git changes this file with every commit and checkout. A source tree without git has no such
-    // file.
+    // The program is rebuilt if the file `logs/HEAD` changes, which happens with every commit and
+    // checkout. A source tree without git has no such file.
     if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) {
         println!("cargo:rerun-if-changed={log}");
     }

@@ -17,7 +17,7 @@ use arrow_schema::{ArrowError, DataType, TimeUnit};
 use num_traits::ToPrimitive;
 use serde_json::{Number, Value};
 
-/// Describes the type of a column without numbers for an error message.
+/// Describes the type of a nonnumeric column for an error message.
 pub fn kind(cells: &DataType) -> String {
     match cells {
         DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => "text".to_owned(),
@@ -36,9 +36,9 @@ pub fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
     ) -> Vec<Option<f64>> {
         values.iter().map(|x| x.and_then(|x| x.to_f64())).collect()
     }
-    /// Converts each decimal number to the nearest 64-bit floating-point number. A division of the
-    /// digits by the scale factor would not always return the nearest number, because digits and
-    /// quotient would both be rounded.
+    /// Converts each decimal number to the nearest 64-bit floating-point number. Dividing the
+    /// digits by the scale factor would not always give the nearest number, because both the digits
+    /// and the quotient would be rounded.
     fn decimal<T: DecimalType + ArrowPrimitiveType>(
         column: &ArrayRef,
     ) -> Result<Vec<Option<f64>>, ArrowError> {
@@ -146,7 +146,7 @@ pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
                     let number = |x| Number::from_i128(x).map_or(Value::Null, Value::Number);
                     column.iter().map(|x| x.map_or(Value::Null, |x| number(x.into()))).collect()
                 }
-                other => return Err(ArrowError::CastError(format!("{other} does not contain text"))),
+                other => return Err(ArrowError::CastError(format!("{other} has no text form"))),
             ),
         ),
     })

@@ -12,8 +12,8 @@ use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
 use crate::{Cell, Chunk, Columns};
 
-/// Source of the values of a kernel input. Of the rows in the following table whose condition is
-/// true, the first applies.
+/// Source of the values of a kernel input. The first row of the following table whose condition is
+/// true determines the source.
 ///
 /// | the input | source | value in a row |
 /// |---|---|---|
@@ -44,8 +44,8 @@ pub(crate) struct ColumnPlan<'a> {
 }
 
 impl<'a> ColumnPlan<'a> {
-    /// Returns the plan. Returns `None` if different rows need different models, or if every row
-    /// has an error that must be reported.
+    /// Creates the plan for a table. Returns `None` if different rows need different models, or if
+    /// every row has an error that must be reported.
     pub(crate) fn new(base: &'a Case, settings: &Settings, columns: &'a Columns) -> Option<Self> {
         settings.check().ok()?;
         if base.asks_warm() {
@@ -55,8 +55,8 @@ impl<'a> ColumnPlan<'a> {
         let in_row = |cells: InputSet| base.stated().overridden_by(cells);
         let given = in_row(cells);
         given.check_forms().ok()?;
-        // The validity range of the model is not checked at this point, because rows outside the
-        // range are also passed to the model.
+        // The validity range of the model is not checked here, because rows outside this range are
+        // also passed to the model.
         let model = settings.model.resolve(given, |_| Ok(())).ok()?;
         let is_third_contact = model == Model::Traction.into() && given.meets(PLAY);
         if is_third_contact || given.contains(InputKey::radial_gap_um) {

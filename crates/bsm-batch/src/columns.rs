@@ -15,7 +15,7 @@ use crate::{AnswerSink, Answers, Chunk, TableError, TableFormat};
 /// Status columns, which precede the outputs in a table of results.
 pub(crate) const ANSWERS: [&str; 3] = ["model", "status", "message"];
 
-/// Key under which the column metadata contain the unit of the column.
+/// Key of the unit in the metadata of a column.
 pub(crate) const UNIT: &str = "unit";
 
 /// Returns true if the name belongs to a status column or to an output, so that a table of results
@@ -111,7 +111,7 @@ impl Columns {
                 columns.unread.push(own.to_owned());
                 columns.results.push(own.to_owned());
             } else if unknown.iter().any(|other: &UnknownName| other.name == name) {
-                // Nothing is done, because this unknown name has already been reported.
+                // This unknown name is already in the list, so it is not added again.
             } else if let Ok((key, change)) = InputKey::in_unit(name) {
                 if let Some(former) = columns.inputs.iter().position(|input| *input == key) {
                     return repeated(&columns.units[former].0);
@@ -239,15 +239,16 @@ impl Columns {
 #[derive(Debug, Clone, Default)]
 pub struct ColumnUnits {
     display: DisplayUnits,
-    /// Outputs that the user selected in another unit: output, displayed name, and displayed unit.
+    /// Outputs that the user requested in a unit other than the default, each with its displayed
+    /// name and unit.
     selected: Vec<(&'static str, String, DisplayUnit)>,
 }
 
 impl ColumnUnits {
     /// Determines the units in which the columns are displayed.
     ///
-    /// * `columns`: names of the selected outputs. If a name ends with another unit than the name
-    ///   of the output, the column is displayed in this unit.
+    /// * `columns`: names of the selected outputs. If a name ends with a unit other than the
+    ///   default unit of the output, the column is displayed in this unit.
     pub fn new(display: DisplayUnits, columns: Option<&[String]>) -> Self {
         let in_other_unit = |name: &String| {
             let (output, unit) = Output::in_unit(name)?;

@@ -108,8 +108,8 @@ impl FolderScan {
         (count > self.parts.len() && others.all(|other| other == id)).then_some(id)
     }
 
-    /// Returns the number of all rows, of rows without a result, and of rows with further
-    /// solutions.
+    /// Returns the total number of rows in the finished parts, the number of rows without a result,
+    /// and the number of rows with further solutions.
     pub fn count(&self) -> Count {
         self.parts.values().fold(Count::default(), |count, part| Count {
             rows: count.rows + part.rows,
@@ -386,8 +386,8 @@ impl Dataset {
     ///
     /// # Errors
     ///
-    /// Returns [`PartDefect`] as the inner error if the file is not this part, and
-    /// [`DatasetError::Stopped`] if the run is stopped.
+    /// Returns [`PartDefect`] as the inner error if the file is damaged or is not the requested
+    /// part, and [`DatasetError::Stopped`] if the run is stopped.
     fn find(
         &self,
         number: u64,
@@ -446,10 +446,10 @@ impl Dataset {
         }
     }
 
-    /// Solves those parts of a list that are missing, in ascending order. Damaged parts do not end
-    /// the run; they are reported when all other parts are finished.
+    /// Solves the requested parts that are missing from the folder. Damaged parts do not end the
+    /// run; they are reported when all other parts are finished.
     ///
-    /// * `numbers`: part numbers to solve, in ascending order.
+    /// * `numbers`: numbers of the requested parts, in ascending order.
     /// * `repair`: if true, all bytes of existing parts are verified, damaged files are replaced,
     ///   and the list of parts is rewritten. Nothing is replaced if most files belong to another
     ///   plan.
@@ -531,7 +531,8 @@ impl Dataset {
             return self.write_list(&found.parts);
         }
         match fs::remove_file(&path) {
-            // The list is not found if another process has removed it in the meantime.
+            // Another process may have removed the list in the meantime, so a missing list is not
+            // an error.
             Err(error) if error.kind() != ErrorKind::NotFound => {
                 Err(DatasetError::io("remove", &path, error))
             }

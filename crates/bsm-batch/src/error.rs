@@ -139,7 +139,7 @@ impl From<parquet::errors::ParquetError> for TableError {
                 Self::unread("encryption")
             }
             ParquetError::General(text) => Self::Parquet(text),
-            ParquetError::NYI(text) => Self::unread(&format!("something else ({text})")),
+            ParquetError::NYI(text) => Self::unread(&format!("another feature ({text})")),
             other => Self::Parquet(other.to_string()),
         }
     }

@@ -2,9 +2,8 @@
 //!
 //! A [`Source`] provides rows in chunks, a [`Task`] solves each chunk, and an [`AnswerSink`] writes
 //! the results. [`Task::run`] performs these three steps on the threads of [`Workers`]. A
-//! [`dataset`] is divided into part files, so that an interrupted run can be continued. The memory
-//! use does not depend on the number of rows, and the results do not depend on the number of
-//! threads.
+//! [`dataset`] is divided into part files, so that an interrupted run can be resumed. Memory use
+//! does not depend on the number of rows, and results do not depend on the number of threads.
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;

@@ -8,15 +8,15 @@ use bytes::Bytes;
 use parquet::errors::Result;
 use parquet::file::reader::{ChunkReader, Length};
 
-/// Maximum length of the part of a page header that must be read \[B\]: six fields with at most six
-/// bytes each, and the beginning of a structure.
+/// Number of bytes that are sufficient to check a page header \[B\]. The checked part of the header
+/// consists of at most six fields of up to six bytes each, and of the beginning of a structure.
 const MAX_HEADER_BYTES: u64 = 40;
 
 /// Page type in the header of a dictionary page.
 const DICTIONARY: i32 = 2;
 
-/// Byte that marks a field in the Thrift compact protocol, if the field contains a 32-bit integer
-/// and follows directly after the previous field.
+/// Byte that precedes a 32-bit integer field in the Thrift compact protocol, if the field number is
+/// one higher than the number of the previous field.
 const INTEGER: u8 = 0x15;
 
 /// A Parquet file that several readers share.
@@ -32,11 +32,11 @@ pub(crate) struct Pages<R> {
 }
 
 impl<R: ChunkReader> Pages<R> {
-    /// Returns access to the pages of a file. `columns` is the number of columns that are read at
-    /// the same time.
+    /// Creates a reader for the pages of a file. `columns` is the number of columns that are read
+    /// at the same time.
     pub(crate) fn new(file: R, columns: usize) -> Self {
-        // One page and one dictionary of each column together must not exceed 64 MiB plus 256 times
-        // the file size.
+        // At any time, one data page and one dictionary page of each column are in memory. All
+        // these pages together must not exceed 64 MiB plus 256 times the file size.
         let max_bytes = (32 << 20) + file.len().saturating_mul(128);
         Self { file: Arc::new(file), max_page_bytes: max_bytes / (columns as u64).max(1) }
     }
@@ -72,8 +72,8 @@ impl<R: ChunkReader> ChunkReader for Pages<R> {
     }
 }
 
-/// Reads a page and its header. The header is checked when the first bytes are read, because some
-/// pages are requested but never read.
+/// Reads a page and its header. The header is not checked until the first bytes are read, because
+/// some pages are requested but never read.
 pub(crate) struct PageReader<R> {
     /// First bytes of the page, which contain its header.
     header: Cursor<Vec<u8>>,

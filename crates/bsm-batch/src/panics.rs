@@ -1,4 +1,4 @@
-//! Converts panics of libraries to errors.
+//! Converts panics in libraries to errors.
 
 use std::cell;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
@@ -20,8 +20,8 @@ pub fn silence_caught_panics() {
     }));
 }
 
-/// Returns the result of `work`, or `None` if it panics. Use this function to call libraries that
-/// panic instead of returning an error.
+/// Returns the result of `work`, or `None` if `work` panics. Use this function to call libraries
+/// that panic instead of returning an error.
 pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
     let outer = CATCHES.replace(true);
     let result = catch_unwind(AssertUnwindSafe(work));

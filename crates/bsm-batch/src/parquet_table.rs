@@ -57,7 +57,7 @@ fn with_temporal_types(found: &ArrowReaderMetadata) -> Fields {
 /// Reads the rows of a Parquet table.
 pub struct ParquetSource {
     reader: ParquetRecordBatchReader,
-    /// Function that returns a reader of all rows from a given row number on.
+    /// Function that returns a reader that starts at a given row.
     from_row: Box<dyn Fn(u64) -> Result<ParquetRecordBatchReader, TableError> + Send>,
     columns: Columns,
     len: u64,

@@ -30,7 +30,7 @@ pub struct Count {
     pub rows: u64,
     /// Number of rows without a result.
     pub failed: u64,
-    /// Number of rows at whose points further solutions are known to exist.
+    /// Number of rows whose operating points are known to have further solutions.
     pub several: u64,
 }
 
@@ -91,8 +91,8 @@ impl<'a> Workers<'a> {
                     return Ok(Self { pool: pool.build().map_err(io::Error::other)?, stop });
                 }
                 Err(_) => {
-                    // Half of the started threads are ended, so that memory and other resources are
-                    // left for reading the table.
+                    // Half of the started threads are terminated to free memory and other resources
+                    // for reading the table.
                     for (give, thread) in idle.split_off(idle.len().div_ceil(2)) {
                         drop(give);
                         thread.join().unwrap_or_else(|panic| resume_unwind(panic));
@@ -103,7 +103,7 @@ impl<'a> Workers<'a> {
         }
         let pool = ThreadPoolBuilder::new().num_threads(idle.len()).spawn_handler(|worker| {
             let given = idle.pop().is_some_and(|(give, _)| give.send(worker).is_ok());
-            given.then_some(()).ok_or_else(|| io::Error::other("it has ended"))
+            given.then_some(()).ok_or_else(|| io::Error::other("the thread has ended"))
         });
         Ok(Self { pool: pool.build().map_err(io::Error::other)?, stop })
     }

@@ -24,7 +24,7 @@ use crate::{TableError, arrow_column};
 /// The value of a table cell.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell<'a> {
-    /// An empty cell. If an input is empty, the value of the base case is used.
+    /// An empty cell. If the cell of an input is empty, the value of the base case is used.
     Missing,
     /// A floating-point number.
     Number(f64),
@@ -58,8 +58,8 @@ impl From<Option<f64>> for Cell<'_> {
 /// cache lines.
 pub(crate) const COLUMN_PADDING: usize = 40;
 
-/// Maximum size of all texts in a chunk except for its last row \[B\]. Processing a few rows with
-/// long texts takes as long as processing many rows with numbers.
+/// Maximum total size \[B\] of the texts in a chunk, not counting its last row. Processing a few
+/// rows with long texts takes as long as processing many rows with numbers.
 pub(crate) const MAX_TEXT_BYTES: usize = 32 << 20;
 
 /// A chunk: consecutive rows of a table.
@@ -248,8 +248,8 @@ impl Answers {
     pub fn room(rows: usize, outputs: usize) -> Self {
         let model = ModelChoice::Auto;
         let verdict = Verdict { model, status: Status::NotConverged, has_others: false };
-        // The operating system provides zeroed pages, which occupy no physical memory until they
-        // are written.
+        // The operating system provides zeroed memory pages, which occupy no physical memory until
+        // the program writes to them.
         let column = || {
             let mut column = vec![0.0; rows + COLUMN_PADDING];
             column.truncate(rows);

@@ -1,4 +1,4 @@
-//! Solves the rows of a chunk as a task specifies.
+//! Solves the rows of a chunk according to a task.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -125,14 +125,14 @@ impl Task {
     }
 
     /// Returns true if the given number of rows is small enough to be solved on the calling thread,
-    /// and if no output needs an analysis, which may take long.
+    /// and if no output needs an analysis, which may take a long time.
     pub fn is_quick(&self, rows: usize) -> bool {
         rows <= MAX_SERIAL_ROWS
             && self.outputs.iter().chain(&self.watched).all(|o| o.analysis().is_none())
     }
 }
 
-/// Solver for the rows of a table, with the task and the data that all rows have in common.
+/// Solver for the rows of a table. It contains the task and the data that all rows share.
 pub(crate) struct Solver<'a> {
     task: &'a Task,
     columns: &'a Columns,
@@ -224,7 +224,7 @@ impl<'a> Solver<'a> {
     }
 }
 
-/// Data that are needed to solve the rows of a chunk.
+/// Data needed to solve the rows of a chunk.
 struct ChunkSolve<'a> {
     solver: &'a Solver<'a>,
     chunk: &'a Chunk,

@@ -23,7 +23,7 @@ pub const ABOUT: &str = "bsm";
 /// File format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// A text file in which separators divide the lines into cells.
+    /// A text file in which each line is a row, and separators divide a row into cells.
     Csv,
     /// A text file with one JSON object per line.
     JsonLines,

@@ -4,7 +4,7 @@ use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, ModelChoice, Outpu
 
 use crate::Columns;
 
-/// The calculation for the rows of a table: base case, settings and outputs.
+/// The calculation for each row of a table, which is defined by a base case, settings and outputs.
 #[derive(Debug, Clone)]
 pub struct Task {
     /// Base case, which contains the values of all inputs that are not columns of the table.
@@ -13,8 +13,9 @@ pub struct Task {
     pub settings: Settings,
     /// Outputs that are written to the table of results.
     pub outputs: Vec<&'static Output>,
-    /// An output that is displayed while the rows are solved. If it is not written to the table, it
-    /// is the last column of the results (see [`watched_index`](Self::watched_index)).
+    /// Output that the caller displays while the rows are solved. If this output is not written to
+    /// the table, it is the last column of the results (see
+    /// [`watched_index`](Self::watched_index)).
     pub watched: Option<&'static Output>,
     /// Requested outputs that are also input columns of the table, such as a temperature. If the
     /// input is missing in a row, the calculated value is written instead.
@@ -71,7 +72,7 @@ impl Task {
     pub fn groove_note(&self) -> Option<String> {
         if self.estimates_rows {
             let note = "In rows that do not specify the groove completely, the groove is estimated from the load ratings. Columns with `low` or \
-                        `high` before the unit contain 90 % intervals over the possible grooves.";
+                        `high` before the unit contain the limits of 90 % intervals over the possible grooves.";
             return Some(note.to_owned());
         }
         self.base.groove_note()
@@ -111,8 +112,8 @@ impl Task {
         Ok(self)
     }
 
-    /// Returns a task that solves all points of a grid with the same model. The base case or the
-    /// grid must specify all required inputs.
+    /// Returns a task that solves all points of a grid with the same model. Each required input
+    /// must be in the base case or in the grid.
     ///
     /// * `watched`: output that is displayed but not written.
     ///
@@ -140,8 +141,8 @@ impl Task {
         task.checked(given, model)
     }
 
-    /// Returns a task that solves the rows of a table. The base case or a column must specify each
-    /// required input.
+    /// Returns a task that solves the rows of a table. Each required input must be in the base case
+    /// or a column of the table.
     ///
     /// # Errors
     ///

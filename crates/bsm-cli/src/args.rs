@@ -138,7 +138,8 @@ pub(crate) enum Command {
     },
 }
 
-/// Arguments of a command whose feature this program was built without. They are ignored.
+/// Arguments of a command that is missing from this build. The arguments are accepted and ignored,
+/// so that the command can report the missing feature.
 #[cfg(not(all(feature = "parquet", feature = "validate", feature = "view")))]
 #[derive(Debug, Args)]
 #[command(disable_help_flag = true)]
@@ -224,14 +225,14 @@ pub(crate) struct ModelArgs {
     /// Largest error of the efficiency that model auto accepts; defaults to 0.01.
     #[arg(long, value_name = "ERROR", value_parser = number_of(Settings::TOLERANCE))]
     tolerance: Option<f64>,
-    /// Relative error of the friction integrals in traction; defaults to 1e-8.
+    /// Relative error of the friction integrals in model traction; defaults to 1e-8.
     #[arg(long, value_name = "ERROR", value_parser = number_of(Settings::ACCURACY))]
     accuracy: Option<f64>,
     /// Creep speed of model traction, divided by ball radius times relative speed of screw and nut;
     /// defaults to 1e-4.
     #[arg(long, value_name = "RATIO", value_parser = number_of(Settings::CREEP))]
     creep: Option<f64>,
-    /// Controlling raceway in raceway-control: nut or screw (default: automatic)
+    /// Controlling raceway in raceway-control: nut or screw. Automatic by default.
     #[arg(long, value_name = "RACEWAY", hide_possible_values = true, value_parser = PossibleValuesParser::new(Control::ALL.map(Control::name)))]
     control: Option<String>,
     /// Friction of a lubricant film in model raceway-control: local (at each point, the default) or
@@ -724,7 +725,7 @@ pub(crate) enum Only {
     Range(u64, u64),
 }
 
-/// Parses a number of rows such as 5000 or 5e7.
+/// Parses a nonnegative whole number such as 5000 or 5e7.
 fn count(text: &str) -> Result<u64, String> {
     let whole = |number: &f64| number.fract() == 0.0 && (0.0..=MAX_EXACT_INTEGER).contains(number);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]

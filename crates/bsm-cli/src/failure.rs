@@ -14,6 +14,7 @@ use thiserror::Error;
 
 use crate::files::OutputFile;
 
+/// Reason why a command failed.
 #[derive(Debug, Error)]
 pub(crate) enum Failure {
     /// The input or the command line is invalid.
@@ -94,7 +95,9 @@ impl Failure {
 
     /// Reports that this program was built without the feature that the command or the file needs.
     pub(crate) fn not_built(feature: &str) -> Self {
-        Self::Input(format!("this program was built without `{feature}`"))
+        Self::Input(format!(
+            "this program was built without the feature `{feature}`; build bsm with this feature"
+        ))
     }
 
     /// Prints the failure to standard error and returns the exit code.
@@ -201,7 +204,7 @@ impl From<ValidateError> for Failure {
     }
 }
 
-/// Prints the help text, the version or a usage error, as requested by the argument parser.
+/// Prints the help text, the version or the usage error that the argument parser returned.
 pub(crate) fn usage(usage_error: &clap::Error) -> ExitCode {
     match usage_error.print() {
         Err(error) if !usage_error.use_stderr() => {

@@ -51,8 +51,8 @@ pub(crate) fn read_json(path: &Path) -> Result<Vec<u8>, Failure> {
     read(path, MAX_JSON_BYTES)
 }
 
-/// Reads a file, or standard input if the path is `-`. Files with more than `most` bytes are
-/// rejected, so that endless devices and pipes are not read forever.
+/// Reads a file, or standard input if the path is `-`. Returns an error after `most` bytes, because
+/// a device or a pipe may be endless.
 pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     let (read, shown) = if is_stdout(path) {
@@ -287,7 +287,7 @@ fn take_over(file: &File, path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Does nothing, because files on this operating system have no owner and group.
+/// Does nothing, because this operating system has no Unix permissions, owners and groups.
 #[cfg(not(unix))]
 #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
 fn take_over(_: &File, _: &Path) -> io::Result<()> {
@@ -299,7 +299,7 @@ pub(crate) fn refused(path: &Path, why: &str) -> Failure {
     Failure::Files(format!("cannot write {}: {why}", path.display()))
 }
 
-/// Input files of a run. No output of the same run may replace them.
+/// Input files of a run. The outputs of the run must not replace these files.
 #[derive(Debug, Default)]
 pub(crate) struct InputFiles(Vec<PathBuf>);
 

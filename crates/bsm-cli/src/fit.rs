@@ -16,7 +16,8 @@ use crate::progress::waiting;
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let given = args.case.read_as_given()?;
-    // Some outputs of `bsm axis` do not depend on the groove geometry.
+    // A case whose groove is unknown is accepted here, because some outputs of `bsm axis` do not
+    // depend on the groove geometry.
     let case = match given.with_groove() {
         Err(CaseError::NoGroove(_)) if args.points.is_none() => given,
         found => found.map_err(args.case.failure())?,

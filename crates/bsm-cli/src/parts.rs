@@ -66,7 +66,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     parts.check_names().map_err(|error| failed(folder, error))?;
     let folder = folder.display();
     let text = format!(
-        "{solved} of {all} parts were solved now and {found} before; `bsm parts check {folder}` lists the missing parts"
+        "this run solved {solved} of {all} parts ({found} already finished); `bsm parts check {folder}` lists the missing parts"
     );
     warn("note", &text);
     Ok(())
@@ -119,7 +119,7 @@ pub(crate) struct PartsJson {
     complete: bool,
     /// True if all bytes were read.
     deep: bool,
-    /// Ranges of missing parts.
+    /// Ranges of the numbers of missing parts.
     missing: Vec<String>,
     damaged: Vec<Damage>,
     /// Files that do not belong to the dataset.

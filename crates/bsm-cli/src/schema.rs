@@ -16,7 +16,7 @@ use crate::parts::PartsJson;
 #[cfg(feature = "validate")]
 use crate::tradeoff::TradeoffJson;
 
-/// Answers that do not follow from a case.
+/// Schemas of the answers that are not calculated from a single case.
 const OTHERS: &[AnswerSchema] = &[
     #[cfg(feature = "parquet")]
     AnswerSchema::of("parts", "parts check", || vec![ObjectSchema::answer::<PartsJson>().json()]),

@@ -16,8 +16,9 @@ use crate::progress::waiting;
 use crate::table_job::write_rows;
 use crate::{nuts, table};
 
-/// Names of the built-in lists of sizes.
+/// Name of the built-in list of standard sizes.
 pub(crate) const STANDARD: &str = "standard";
+/// Name of the built-in list of manufacturers' sizes.
 pub(crate) const MANUFACTURERS: &str = "manufacturers";
 
 /// Hint that suggests the standard lists as an alternative source of sizes.
@@ -152,6 +153,6 @@ fn keys() -> String {
          defaults to 0.06. All rules of bsm axis are limits.\n\
          The program chooses lead_mm or lead_angle_deg, ball_diameter_mm, pitch_circle_diameter_mm,\n\
          contact_angle_deg, nut_conformity and loaded_turns, unless they are given.\n\
-         Keys are inputs of a case (bsm schema input), or one of the following keys.\n\n{table}"
+         Each key is an input of a case (bsm schema input) or one of the following keys.\n\n{table}"
     )
 }

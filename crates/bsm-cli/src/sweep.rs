@@ -82,7 +82,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     solved
 }
 
-/// Solves the rows of a table. The table of results has the same number of rows in the same order.
+/// Solves the rows of a table. The table of results has one row per input row, in the same order.
 fn of_table(
     args: &SweepArgs,
     path: &Path,

@@ -142,8 +142,9 @@ impl Job<'_> {
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
         let form = form_of(path)?;
-        // The origin of the table cannot be stored in text formats. The description of the origin
-        // is created only if it is needed, because this requires reading the whole table of points.
+        // Text formats cannot store the origin of the table. The description of the origin is
+        // created only if it is needed, because creating it requires reading the whole table of
+        // points.
         let is_text = matches!(form, Form::Table(Format::Csv | Format::JsonLines));
         let mut about = if is_text && self.about.is_none() {
             Value::Null
@@ -209,8 +210,8 @@ impl Job<'_> {
         Err(Failure::not_built("parquet"))
     }
 
-    /// Creates the dataset folder or checks that it has the same plan, and prints the estimated
-    /// cost.
+    /// Creates the dataset folder, or checks that an existing folder contains the plan of this run.
+    /// Prints the plan and its estimated cost.
     #[cfg(feature = "parquet")]
     fn plan(&self, folder: &Path, points: &Points, workers: &Workers<'_>) -> Result<(), Failure> {
         let plan = Plan::new(&self.task, points, self.args.rows_per_part, workers);

@@ -67,7 +67,8 @@ mod signals {
     const INTERRUPTS: [i32; 9] =
         [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM];
 
-    /// Time that a failed write has to report its error after the signal SIGXFSZ.
+    /// Waiting time after the signal SIGXFSZ. A failed write of this program reports its error
+    /// within this time.
     const FAILS_WITHIN: Duration = Duration::from_millis(200);
 
     /// Ensures that the program ends with exit code 1 if memory runs out or a file exceeds the size

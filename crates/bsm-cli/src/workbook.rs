@@ -151,8 +151,8 @@ fn write(sheet: &mut Worksheet, row: u32, column: u16, entry: &Cell<'_>) -> Resu
     Ok(())
 }
 
-/// Limit up to which a double represents every integer exactly. Spreadsheets have no other number
-/// type.
+/// Limit up to which a double represents every integer exactly. Spreadsheets store all numbers as
+/// doubles.
 const MAX_EXACT_INTEGER: u64 = 1 << f64::MANTISSA_DIGITS;
 
 /// Writes a number. An integer that a spreadsheet would round is written as text.

@@ -57,10 +57,10 @@ pub enum ValidateError {
     #[error("model traction has no solution at any of the points, so there is no reference")]
     NoReference,
     /// The operating system did not start the threads.
-    #[error("threads: {0}")]
+    #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
     /// A numerical search for a minimum or a root failed.
-    #[error("search: {0}")]
+    #[error("a numerical search failed: {0}")]
     Search(#[from] bsm_design::search::SearchError),
 }
 

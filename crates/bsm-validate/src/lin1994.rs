@@ -39,8 +39,7 @@ pub(crate) fn slender(lin: &Case) -> Case {
     Case { ball_diameter_mm: pitch.map(|pitch| 0.1 * pitch), ..lin.clone() }
 }
 
-/// Claims in the file `claims.csv`. The map contains the value and the text of each claim under the
-/// key of the claim.
+/// Claims in the file `claims.csv`. The map contains the value and the text of each claim, by key.
 struct Claims(BTreeMap<String, (f64, String)>);
 
 impl Claims {

@@ -261,7 +261,7 @@ fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
 ///
 /// Source: Harris and Kotzalas, *Essential Concepts of Bearing Technology*.
 fn palmgren(diameter: f64, viscosity: f64, speed: f64, load: f64) -> f64 {
-    // Static load rating of an angular contact bearing 7208 \[N\].
+    // Static load rating of the angular contact bearing 7208 [N].
     const STATIC: f64 = 26_000.0;
     let viscous = 2.0 * 1e-7 * (viscosity * speed).powf(2.0 / 3.0) * diameter.powi(3);
     let turning = 0.9 / 40.0_f64.to_radians().tan() * load;

@@ -128,7 +128,7 @@ impl Trend {
             Shape::Constant => format!("is constant from {from} to {to}"),
             Shape::Turns(at) => {
                 let way = if last.1 > first.1 { "higher" } else { "lower" };
-                format!("has an extremum at {}, ends {way} than it begins", short(at))
+                format!("has an extremum at {} and ends {way} than it begins", short(at))
             }
         };
         format!("{curve}{setting}: {holds}, {} to {}, {does}", number(first.1), number(last.1))

@@ -70,7 +70,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         (problem.at.point.helix, problem.at.point.ball.radius, problem.at.point.drive);
     let angles = ANGLES.map(f64::to_radians);
     let ball = SteadyBall::rolling(Control::Nut, helix, radius, drive, angles);
-    // The next expressions are Eqs 1 and 2 as printed, for a nut that does not rotate.
+    // The array `printed` contains Eqs 1 and 2 as printed, for a nut that does not rotate.
     let ((sin_a, cos_a), [nut, screw]) = (helix.lead_angle.sin_cos(), angles);
     let (d, w, speed) = (helix.radius / cos_a, ball.motion.omega, drive.screw_speed);
     let printed = [
@@ -87,7 +87,8 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     ];
     let exact = touch.map(|touch| ball.differential_slip(&touch));
     let worst = largest((0..2).map(|i| (printed[i] / exact[i] - 1.0).abs()));
-    // In Eq 3, only the axial displacement is used, which is the same at both raceways.
+    // The nut moves only along the axis, so the distances between the groove-arc centers in Eq 3
+    // depend only on the approaches, the contact angles and the axial displacement.
     let state = |site| solution.contact(site);
     let (mut radial, mut axial) = (0.0, 0.0);
     for (site, conformity) in
@@ -118,7 +119,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
             .at_most(1e-11, "rounding errors of speeds that are a hundred times the slip"),
         check("eq-3", "Eq 3", "the contact angles follow from the distances between the groove-arc centers")
             .measured(off, "of the length")
-            .note("the axial displacement is included in (f) and omitted in (e); as printed, both equations only reproduce the approaches")
+            .note("the axial displacement is included in Eq 3f and omitted in Eq 3e; as printed, both equations reproduce only the approaches")
             .at_most(1e-9, "the forces are balanced to 1e-10 of the load"),
     ])
 }
@@ -178,7 +179,7 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
             "field-slope",
             "spin equals the derivative of the slip velocity field across the groove",
             slope,
-            "rounding errors of speeds that are 100 times as large as the spin multiplied by 1 mm",
+            "rounding errors of speeds that are a hundred times the spin multiplied by 1 mm",
         ),
     ])
 }

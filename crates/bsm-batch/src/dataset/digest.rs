@@ -22,7 +22,7 @@ pub(crate) fn of_bytes(bytes: &[u8]) -> String {
     hex(Sha256::new_with_prefix(bytes))
 }
 
-/// Reads all bytes of a reader, and returns their hash and the number of bytes. Returns `None` if
+/// Reads a reader to its end, and returns the hash and the number of the bytes. Returns `None` if
 /// `stopped` returns true before the last byte has been read.
 pub(crate) fn of_reader(
     reader: &mut impl Read,

@@ -13,7 +13,7 @@ pub enum DatasetError {
     /// An operation on a file or folder failed.
     #[error("cannot {doing} {}: {error}", path.display())]
     Io {
-        /// Operation that failed, as a verb such as "write".
+        /// Failed operation as words that follow "cannot", such as "write".
         doing: &'static str,
         /// Path of the file or folder.
         path: PathBuf,

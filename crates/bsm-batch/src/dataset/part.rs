@@ -1,9 +1,9 @@
 //! Part files of a dataset, which are Parquet files that contain hashes of their own contents.
 //!
 //! The footer of a part file contains its plan id, its part number and two hashes: a hash of all
-//! bytes before the footer, and a hash of the footer itself. The second hash is calculated with
-//! zeros in its own place. The two hashes reveal every changed bit of the file. Therefore, there is
-//! no need for a separate log, which could be lost or become inconsistent.
+//! bytes before the footer, and a hash of the footer itself. While the hash of the footer is
+//! calculated, zeros take its place in the footer. The two hashes reveal every changed bit of the
+//! file. Therefore, no separate log is needed, which could be lost or become inconsistent.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -77,7 +77,7 @@ pub struct Part {
     pub rows: u64,
     /// Number of rows in the part that have no result.
     pub failed: u64,
-    /// Number of rows in the part at whose points further solutions are known to exist.
+    /// Number of rows in the part whose operating points are known to have further solutions.
     pub several: u64,
     /// Number of bytes in the part file before its footer.
     pub data_bytes: u64,

@@ -332,12 +332,12 @@ impl Task {
 }
 
 /// Converts a count to a floating-point number, which is sufficiently accurate for an estimate.
-#[expect(clippy::cast_precision_loss, reason = "for an estimate")]
+#[expect(clippy::cast_precision_loss, reason = "an estimate needs no exact counts")]
 fn approximate(count: u64) -> f64 {
     count as f64
 }
 
-/// Returns the estimated time that one core needs to solve and write a row with one output \[s\].
+/// Returns the estimated time \[s\] that one core needs to solve and write a row with one output.
 /// The estimate assumes that the balls roll without gross sliding.
 fn seconds(model: ModelChoice) -> f64 {
     let microseconds = match model {
@@ -355,9 +355,9 @@ fn seconds(model: ModelChoice) -> f64 {
 /// calculating a part takes only a few seconds, so that little work is lost if the run is killed.
 /// If this leads to too many parts, the number of rows is doubled until the limit is met.
 fn rows_of_a_part(rows: u64, model: ModelChoice) -> NonZeroU64 {
-    /// Maximum number of rows per part, unless a dataset with this number of rows per part has too
-    /// many parts. With this maximum, a part takes less than an hour even if every point takes a
-    /// hundred times as long as estimated, for example with model `rigid` and large inertia forces.
+    /// Maximum number of rows per part. It is exceeded only if the dataset would otherwise have too
+    /// many parts. A part of this size takes less than an hour even if every point takes a hundred
+    /// times as long as estimated, for example with model `rigid` and large inertia forces.
     const MAX_ROWS: u32 = 1 << 20;
     /// Maximum estimated time for calculating a part on one core \[s\].
     const MAX_SECONDS: f64 = 5.0;

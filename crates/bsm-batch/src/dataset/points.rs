@@ -1,5 +1,5 @@
-//! Points of a grid, random points, or points of a table. Points of each kind can be generated or
-//! read repeatedly.
+//! Operating points of a grid, random operating points, or operating points from a table. All three
+//! kinds can be generated or read repeatedly.
 
 use std::fmt::Display;
 use std::fs::File;
@@ -172,11 +172,11 @@ impl PointsEntry {
         const NUMBER: f64 = 8.0;
         /// Number of input columns that the estimate assumes for a table.
         const COLUMNS: usize = 4;
-        /// Compressed size of a number that occurs repeatedly within the window of 64 kB in which
-        /// Snappy finds repetitions \[B\]. Measured values are 0.4 to 0.5 B.
+        /// Compressed size \[B\] of a number that is repeated within the 64 kB window in which
+        /// Snappy finds repetitions. Measured sizes are 0.4 to 0.5 B.
         const REPEATED: f64 = 0.5;
-        /// Maximum number of values on the innermost axis for which these values are assumed to
-        /// repeat within the window of Snappy.
+        /// Maximum length of the innermost grid axis for which the estimate assumes that Snappy
+        /// finds the repeated values of this axis.
         const REPEATING: usize = 1 << 14;
         match self {
             // On outer axes, the same value occurs in many consecutive rows; on the innermost axis,

@@ -1,4 +1,4 @@
-//! Comparison of a table row with a solution of the same operating point outside a table.
+//! Comparison of a table row with a single solve of the same operating point.
 
 use bsm_batch::Answers;
 use bsm_case::{Case, InputKey, Output, Record, output};
@@ -31,12 +31,14 @@ fn absolute_tolerance(unit: &str, case: &Case) -> f64 {
     let scatter = match unit {
         "N" => 1e-13 * load,
         "deg" => 1e-10 * 90.0,
-        // The slip is a difference between speeds of this order of magnitude.
+        // The slip is a difference between large speeds, so its tolerance is proportional to these
+        // speeds.
         "rad/s" => motion * speed * pitch / ball,
         "m/s" => motion * speed * pitch,
         // A displacement is a difference between lengths of up to 1 mm.
         "um" => 1e-11,
-        // A power loss is a difference between powers of this order of magnitude.
+        // A power loss is a difference between large powers, so its tolerance is proportional to
+        // these powers.
         "W" => 1e-12 * axial * pitch * speed,
         _ => 0.0,
     };
@@ -44,9 +46,9 @@ fn absolute_tolerance(unit: &str, case: &Case) -> f64 {
     scatter.max(0.0)
 }
 
-/// Compares the results of a table row with a solution outside a table. The status must be the
-/// same, and outputs must agree to within 1e-10 of their value plus their absolute tolerance.
-/// Returns true if the row converged.
+/// Compares the results of a table row with a single solve of the same point. Both must have the
+/// same status, and their outputs must agree to within 1e-10 of their value plus their absolute
+/// tolerance. Returns true if the row converged.
 pub(crate) fn assert_alike(
     what: &dyn Fn() -> String,
     (answers, row): (&Answers, usize),

@@ -172,7 +172,7 @@ fn table_rows_and_axis_sheet_agree_on_the_fall_speed() {
 
 /// If a table has warm-state columns, the results of the nut must belong to the same warm state, to
 /// within the tolerance of the search for this state. A row above the fold must have no solution,
-/// whichever columns are requested.
+/// regardless of which columns are requested.
 #[test]
 fn all_columns_of_a_row_use_the_same_warm_state() {
     let grid = grid(&["screw_speed_rpm=500,1500"]);

@@ -414,8 +414,8 @@ fn part_file_that_is_not_in_the_plan_is_reported() {
     fill(folder.path(), &task, &points, 1);
     let parts = Dataset::open(folder.path(), make).expect("a folder");
     parts.check_names().expect("the parts of the plan");
-    // Programs that read the folder would also read these copies of parts, whatever their names
-    // are.
+    // Programs that read the folder would also read these copies of parts, regardless of their
+    // names.
     for name in ["part-000003.parquet", "part-2.parquet", "other.parquet", "PART-000002.PARQUET"] {
         let path = folder.path().join("data").join(name);
         fs::copy(parts.part_file(2), &path).expect("writable");

@@ -132,9 +132,9 @@ fn a_plan_of_random_points_round_trips() {
     assert_eq!(made.expect("a plan").text(), plan.text());
 }
 
-/// One core calculates a part of the default size in a few seconds, whatever the number of rows is.
-/// If a dataset would have more than 100 000 parts, the number of rows per part is doubled until
-/// the limit is met. Each part then has less than 1/50 000 of all rows.
+/// One core calculates a part of the default size in a few seconds, regardless of the number of
+/// rows in the dataset. If a dataset would have more than 100 000 parts, the number of rows per
+/// part is doubled until the limit is met. Each part then has less than 1/50 000 of all rows.
 #[test]
 fn part_size_depends_on_row_count_and_model() {
     for (rows, model, parts, power) in [

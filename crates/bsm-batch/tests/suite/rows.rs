@@ -45,8 +45,8 @@ impl Table {
         self.keys.iter().zip(&self.rows[row]).filter_map(word).collect()
     }
 
-    /// Compares every row of the table with a solution outside the table, and counts the converged
-    /// rows.
+    /// Compares every row of the table with a single solve of the same point, and counts the
+    /// converged rows.
     fn assert_solved(&self, base: &Case, settings: &Settings, seen: &mut Tally) {
         let outputs = Answers::select(None).expect("all outputs");
         let answers = self.solve(base, settings);
@@ -268,8 +268,8 @@ fn random_model_choice(rng: &mut impl Rng) -> ModelChoice {
     }
 }
 
-/// Compares rows of random tables and random base cases with solutions outside a table. The tables
-/// contain columns that replace each other, missing values, values that are not permitted or
+/// Compares rows of random tables and random base cases with single solves. The tables contain
+/// alternative columns for the same quantity, missing values, values that are not permitted or are
 /// outside the range of a model, and inputs that change the model from row to row.
 #[test]
 fn rows_of_random_tables_match_single_solves() {

@@ -116,7 +116,9 @@ fn main() -> Result<ExitCode> {
     let all = sources();
     let is = |source: &Source, name: &str| source.name == name || source.group() == name;
     if let Some(unknown) = names.iter().find(|name| !all.iter().any(|source| is(source, name))) {
-        eprintln!("error: no part is named {unknown}; `docs/remake --list` shows the names");
+        eprintln!(
+            "error: no block or group is named {unknown}; `docs/remake --list` shows all names"
+        );
         return Ok(ExitCode::from(2));
     }
     let asked = |source: &&Source| names.is_empty() || names.iter().any(|name| is(source, name));
@@ -128,7 +130,10 @@ fn main() -> Result<ExitCode> {
         match make(&site, source) {
             Ok(()) => eprintln!("{}: {:.0} s", source.name, begin.elapsed().as_secs_f64()),
             Err(error) => {
-                eprintln!("error: {}: {error}; the blocks are not changed", source.name);
+                eprintln!(
+                    "error: {}: {error}; the blocks of this command are not changed",
+                    source.name
+                );
                 failed.push(source.name.as_str());
             }
         }
@@ -150,7 +155,7 @@ fn list() -> ExitCode {
 fn make(site: &Site, source: &Source) -> Result<()> {
     match source.how {
         How::Shown => outputs(site, "shown", |line, program| {
-            let words = bsm_arguments(line).ok_or("not a command of bsm")?;
+            let words = bsm_arguments(line).ok_or("the line is not a bsm command")?;
             Ok(fast::fenced(&program.prints(&words)?.0))
         }),
         How::Tests => outputs(site, "tests", |line, _| slow::test_output(site, line)),

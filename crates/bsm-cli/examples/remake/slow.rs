@@ -21,11 +21,11 @@ pub(crate) enum Text {
     Row(String),
 }
 
-/// The repository, the program, and whether only a few points are measured.
+/// Paths of the repository and of the program, and the option to measure only a few points.
 pub(crate) struct Site {
     pub(crate) root: PathBuf,
     pub(crate) bsm: PathBuf,
-    /// True to use only a thousandth of the points, for a quick check.
+    /// If true, only a thousandth of the points are used, which is sufficient for a quick check.
     pub(crate) quick: bool,
 }
 
@@ -370,7 +370,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         Ok(format!("| {what} | {} ms |", short(each)))
     };
     let mut dry: Value = serde_json::from_str(&fs::read_to_string(site.root.join(AXIS))?)?;
-    let inputs = dry.as_object_mut().ok_or("the case is no object")?;
+    let inputs = dry.as_object_mut().ok_or("the case is not a JSON object")?;
     inputs.retain(|name, _| name != "iso_vg" && !name.ends_with("_roughness_um"));
     inputs.insert("friction_coefficient".to_owned(), 0.05.into());
     fs::write(folder.path().join("dry.json"), dry.to_string())?;
@@ -597,8 +597,8 @@ struct Campaign {
     points: f64,
     /// For each outcome: index in [`OUTCOMES`], reason, and number of points.
     kinds: Vec<(usize, String, f64)>,
-    /// Numbers of converged points that have other solutions, that have none, and for which this is
-    /// unknown.
+    /// Numbers of converged points that are known to have other solutions, that are known to have
+    /// none, and for which it is unknown whether other solutions exist.
     others: [f64; 3],
     slowest_ms: f64,
 }

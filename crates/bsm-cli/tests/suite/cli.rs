@@ -165,7 +165,7 @@ fn missing_solution_causes_exit_code_3_and_a_reason() {
 /// Invalid input must cause one paragraph on standard error, exit code 2 (1 for a file error),
 /// nothing on standard output, and no output file.
 #[test]
-fn bad_input_is_reported_in_one_paragraph() {
+fn invalid_input_is_reported_in_one_paragraph() {
     let dir = folder();
     let file = dir.path().join("case.json");
     let base = fs::read_to_string(lin()).expect("example");
@@ -706,7 +706,7 @@ fn load_ratings_match_sobolewski() {
 }
 
 #[test]
-fn help_and_completions_work() {
+fn help_texts_fit_on_a_screen_and_completions_are_generated() {
     let dir = folder();
     for args in [
         &["--help"][..],

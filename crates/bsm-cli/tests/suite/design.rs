@@ -121,7 +121,7 @@ fn catalog_nuts_are_filtered_sorted_and_written() {
 }
 
 #[test]
-fn bad_catalog_requests_are_reported() {
+fn invalid_options_for_the_nut_list_are_reported() {
     let dir = folder();
     let heavy = ["--where", "dynamic_load_rating_N>=5e6"];
     let output = bsm(dir.path(), &[&["select"], &heavy[..]].concat(), "");
@@ -329,8 +329,8 @@ fn the_optimum_search_matches_the_closed_form() {
 }
 
 /// Regression test: a case with a lead angle but no contact angle, or vice versa, was rejected.
-/// Either angle determines the optimum value of the other angle. Of the figures of Lin, only those
-/// must be drawn whose inputs the case contains.
+/// Either angle determines the optimum value of the other angle. Each figure of Lin, Velinsky and
+/// Ravani (1994) must be drawn only if the case contains the inputs of the figure.
 #[test]
 fn optimum_is_found_if_only_lead_angle_or_only_contact_angle_is_known() {
     let dir = folder();

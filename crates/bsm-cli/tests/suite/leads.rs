@@ -35,7 +35,7 @@ fn rows_with_empty_lead_cells_match_single_solves() {
             let single = stdout(&bsm(dir.path(), &[&solve[..], &common].concat(), ""));
             let single: serde_json::Value = serde_json::from_str(&single).expect("JSON");
             let known = single["efficiency"].as_f64();
-            // A batch kernel has different rounding errors than the model.
+            // The rounding errors of a batch kernel differ from the rounding errors of the model.
             let same = match (row[5].parse::<f64>(), known) {
                 (Ok(found), Some(known)) => (found - known).abs() <= 1e-10 * known.abs(),
                 (found, known) => found.is_err() && known.is_none(),

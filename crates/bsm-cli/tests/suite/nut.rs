@@ -791,7 +791,7 @@ fn commands_nut_and_axis_add_the_weight_to_the_axial_load() {
 /// Regression test: `solve --show ratings` and `axis` rejected the example feed drive, because the
 /// case does not state the number of loaded turns.
 #[test]
-fn commands_ratings_and_axis_and_nut_accept_the_example_feed_drives() {
+fn ratings_axis_and_nut_accept_the_example_feed_drives() {
     let dir = folder();
     for case in ["feed_drive.json", "feed_drive_oil.json"] {
         for args in [

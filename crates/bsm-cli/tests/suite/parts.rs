@@ -92,10 +92,10 @@ fn several_processes_solve_one_plan_and_write_parts_that_pass_verification() {
     assert!(run(3, &["parts", "check", "map/"]).contains("missing  0:10\n"));
 
     let said = run(0, &["parts", "run", "map/", "--only", "1/3"]);
-    assert!(said.contains("3 of 10 parts were solved now and 0 before"), "{said}");
+    assert!(said.contains("solved 3 of 10 parts (0 already finished)"), "{said}");
     assert!(
         run(0, &["parts", "run", "map/", "--only", "3:5"])
-            .contains("1 of 10 parts were solved now and 1 before")
+            .contains("solved 1 of 10 parts (1 already finished)")
     );
     let said = run(3, &["parts", "check", "map/"]);
     assert!(said.starts_with("4 of 10 parts"), "{said}");
@@ -282,7 +282,7 @@ fn modifications(seed: u64, other: &Path) -> Vec<Modification> {
     let mut add = |what: String, is_hidden, does: Box<dyn Fn(&Path)>| {
         all.push(Modification { what, is_hidden, does });
     };
-    // The second number is the relative position in a part: 0 to 1 in the data, 1 to 2 in the
+    // The number `begin` is the relative position in a part: 0 to 1 in the data, 1 to 2 in the
     // footer, and 2 in the last bytes.
     for round in 0..2 {
         for (region, begin, is_hidden) in [
@@ -732,7 +732,7 @@ fn a_plan_of_1e12_points_takes_less_than_ten_seconds() {
     );
     assert!(said.contains("solves parts of this plan in memory"), "{said}");
     let said = run_checked(dir.path(), 0, &["parts", "run", "map/", "--only=59604:59605"]);
-    assert!(said.contains("1 of 59605 parts were solved now and 0 before"), "{said}");
+    assert!(said.contains("solved 1 of 59605 parts (0 already finished)"), "{said}");
     let said = run_checked(dir.path(), 3, &["parts", "check", "map/", "--deep"]);
     assert!(said.starts_with("1 of 59605 parts") && said.contains("missing  0:59604\n"), "{said}");
     assert!(said.contains("4096 of 999989186560 rows"), "{said}");

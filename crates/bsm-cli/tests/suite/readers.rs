@@ -162,7 +162,7 @@ fn duplicate_input_in_a_requirement_is_rejected() {
 }
 
 #[test]
-fn duplicate_member_of_a_case_is_rejected() {
+fn duplicate_key_of_a_case_is_rejected() {
     let dir = folder();
     let axis = example("axis.json");
     for (entry, one, other) in [

@@ -1,5 +1,5 @@
-//! Tests of users' tables, of the description of origin in tables, of workbooks and of map plots on
-//! the command line.
+//! Command-line tests of user tables, of the description of a table's origin, of workbooks, and of
+//! map plots.
 
 use std::fs::{self, File};
 use std::io::Read;

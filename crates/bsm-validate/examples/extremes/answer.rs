@@ -169,7 +169,7 @@ pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer
         let known = answer.efficiency.unwrap_or(f64::NAN);
         let alike = (eta - known).abs() <= BATCH * known.abs() + ROUNDING;
         if answer.kind == ROUNDED && verdict.status == Status::Converged {
-            answer.kind.push_str(", but not in the batch");
+            answer.kind.push_str(", but solved in the batch");
         } else if answer.order < Order::False && Order::from(verdict.status) != answer.order {
             answer.mark_as_false("status in the batch");
         } else if answer.order == Order::Converged && !alike {
@@ -229,7 +229,7 @@ fn find_defect(record: &Record, case: &Case, answer: &Answer) -> Option<String> 
     }
     for name in [output!(nut_contact_angle_deg), output!(screw_contact_angle_deg)] {
         if record.number(name).is_some_and(|angle| !(0.0..=90.0).contains(&angle)) {
-            return Some(format!("{} beyond 0 to 90", name.name()));
+            return Some(format!("{} outside 0 to 90 deg", name.name()));
         }
     }
     // Friction must not generate power. The tolerance allows for the rounding errors of a very

@@ -66,8 +66,8 @@ impl Times {
 /// round is sufficient.
 const ROUNDS: usize = if cfg!(debug_assertions) { 1 } else { 5 };
 
-/// Minimum duration of a measurement. A shorter measurement would be inaccurate because of the
-/// limited resolution of the clock.
+/// Minimum duration of a measurement. A shorter measurement would be inaccurate because the clock
+/// has a limited resolution.
 const MIN_DURATION: Duration = Duration::from_millis(8);
 
 /// Minimum number of rows in a table that is solved by a fast model. With fewer rows, the overhead
@@ -88,8 +88,7 @@ const OUTPUTS: [&str; 6] = [
 /// Number of identical rows in the table that is used to measure a single point.
 const ROWS: usize = 64;
 
-/// The kinds of times that are measured for a setting. The number in `Batch` is the index of a
-/// group.
+/// A kind of time that is measured for a setting. The number in `Batch` is the index of a group.
 #[derive(Debug, Clone, Copy)]
 enum Way {
     Single,
@@ -177,7 +176,7 @@ fn is_quick(settings: &Settings) -> bool {
     matches!(settings.model, ModelChoice::Fixed(model) if model != Model::Traction)
 }
 
-/// Returns the median over all rounds for each of the times.
+/// Returns, for each measured time, its median over all rounds.
 fn medians(rounds: &[Vec<f64>]) -> Vec<f64> {
     let median = |place: usize| {
         let mut times: Vec<_> = rounds.iter().map(|times| times[place]).collect();
@@ -194,7 +193,7 @@ struct Bench<'a> {
     groups: Vec<Chunk>,
     /// For each group of points, a longer table that is used for fast models.
     long_groups: Vec<Chunk>,
-    /// For each point, a table in which all rows are this point.
+    /// For each point, a table whose rows are copies of this point.
     rows: Vec<Chunk>,
     outputs: Vec<&'static Output>,
     one_core: ThreadPool,

@@ -13,7 +13,7 @@ use crate::ValidateError;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(into = "&'static str")]
 pub enum Group {
-    /// All points, whatever their slip regime is.
+    /// All points, regardless of their slip regime.
     All,
     /// Points with the given slip regime.
     #[schemars(skip)]
@@ -21,8 +21,8 @@ pub enum Group {
 }
 
 impl Group {
-    /// All groups. The first group contains all points, and each of the others contains the points
-    /// with one slip regime.
+    /// All groups. The first group contains all points, and each of the other groups contains the
+    /// points with one slip regime.
     pub const ALL: [Self; 4] = [
         Self::All,
         Self::Of(SlipRegime::Rolling),
@@ -97,9 +97,9 @@ pub struct Errors {
     pub efficiency: Option<Distribution>,
     /// Relative error of the screw torque.
     pub torque: Option<Distribution>,
-    /// Relative error of the normal loads, the larger of the errors at nut and screw.
+    /// Relative error of the normal loads: the larger of the errors at nut and screw.
     pub loads: Option<Distribution>,
-    /// Error of the contact angles \[deg\], the larger of the errors at nut and screw.
+    /// Error of the contact angles \[deg\]: the larger of the errors at nut and screw.
     pub angles_deg: Option<Distribution>,
     /// Fraction of the solved points at which the efficiency error exceeds the error bound of the
     /// setting; `None` if the setting has no error bound.

@@ -17,7 +17,7 @@ pub(super) fn figures(settings: &[SettingResult]) -> Vec<Figure> {
         let key = group.name().replace(' ', "-");
         figures.push(figure(settings, group, &key, group.name(), |times| times.single.mean));
     }
-    // If no point has a given slip regime, the plot for this regime is removed.
+    // The plot for a slip regime is removed if no point has this regime.
     figures.retain(|figure| !figure.curves.is_empty());
     figures
 }

@@ -50,7 +50,7 @@ fn architecture_page_names_existing_files_and_items() {
             }
         }
     }
-    // Fewer paths or names than this mean that the page was not parsed correctly.
+    // If fewer paths or names are found, the page was not parsed correctly.
     assert!(paths > 40 && names > 30, "{paths} paths, {names} names");
 }
 

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use self::sources::files;
 
-/// Beginning of a sentence in a theory chapter that lists equations which only tests evaluate.
+/// Beginning of the sentence in a theory chapter that lists the equations evaluated only by tests.
 const BY_TESTS: &str = "Only tests evaluate";
 
 fn read(path: &Path) -> String {
