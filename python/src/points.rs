@@ -268,7 +268,7 @@ pub(crate) fn grid_of(axes: Vec<(String, AxisRange)>) -> Result<Grid> {
         let values = match values {
             AxisRange::Linspace { start, stop, number } => {
                 let count = usize::try_from(number).map_err(|_| {
-                    format!("`{name}`: a range has {number} values, but must have at least 2")
+                    format!("`{name}` has a range of {number} values, but must have at least 2")
                 })?;
                 AxisValues::Range { start, stop, count, log: false }
             }
