@@ -171,7 +171,7 @@ REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(
     Quantity(name, unit, about, default=default, rule=rule)
     for name, unit, about, default, rule in _core.requirements()
 )
-"""Keys of a requirement for `select` that are not inputs of a case."""
+"""Keys of a requirement (see `select`) that are not inputs of a case."""
 
 _NUMBERS = frozenset(name for name, *_ in _core.inputs())
 _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
@@ -1028,7 +1028,7 @@ class Ellipse(NamedTuple):
     spin_rad_s, creep_speed_m_s : float
         Angular velocity of spin, and creep speed of the friction law.
     saturated : bool
-        True if the whole ellipse slides.
+        True if all points of the ellipse slide.
     sticking_share : float
         Fraction of the load that is carried by points that stick.
     rolling_lines : list of float
@@ -1687,7 +1687,7 @@ def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
     Raises
     ------
     InputError
-        If the case lacks inputs for every model.
+        If the inputs of the case are not sufficient for any model.
 
     Examples
     --------

@@ -343,7 +343,8 @@ type ThreadSet = (u32, Option<NonZeroUsize>, Arc<Workers<'static>>);
 /// process does not inherit the threads of its parent.
 static HELD: Mutex<Vec<ThreadSet>> = Mutex::new(Vec::new());
 
-/// Stop flag of the worker threads, which is never set. Each run has its own stop flag.
+/// Stop flag with which worker threads are created. It is never set, because each run has its own
+/// stop flag.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// Returns the set that has the requested number of threads. A set is started when it is first
