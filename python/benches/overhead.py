@@ -191,7 +191,7 @@ def frames() -> list[Row]:
 
 
 def elsewhere() -> list[Row]:
-    """Measure import, memory and Ctrl-C, each in its own process."""
+    """Measure the import time, the memory and the response to Ctrl-C, each in its own process."""
 
     def told(code: str) -> float:
         env = {name: value for name, value in os.environ.items() if name not in KEPT}
