@@ -171,7 +171,7 @@ REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(
     Quantity(name, unit, about, default=default, rule=rule)
     for name, unit, about, default, rule in _core.requirements()
 )
-"""Keys of a requirement for `select` that are not inputs of a case."""
+"""Keys of a requirement (see `select`) that are not inputs of a case."""
 
 _NUMBERS = frozenset(name for name, *_ in _core.inputs())
 _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
@@ -208,7 +208,7 @@ class Case(CaseFields):
     def __new__(cls, base: Point | _core.Case = None, /, **inputs: Unpack[Inputs]) -> Self:
         given: dict[str, Any] = dict(inputs)
         if isinstance(base, (str, os.PathLike)):
-            raise InputError(f"{os.fspath(base)!r} is not a case; Case.read(path) reads a file")
+            raise InputError(f"{os.fspath(base)!r} is not a case; to read a case file, use Case.read(path)")
         if base is not None and not isinstance(base, _core.Case):
             given = {**base, **given}
             base = None
@@ -370,7 +370,7 @@ class TextColumn:
         self._found: tuple[NDArray[np.int8], tuple[str, ...]] | None = None
 
     def _get(self) -> tuple[NDArray[np.int8], tuple[str, ...]]:
-        """Load the texts when they are first used, because most users do not need them."""
+        """Load the texts on first access, because most users do not need the texts."""
         if self._found is None:
             import numpy as np
 
@@ -805,7 +805,7 @@ class Nuts(Table):
         super().__init__(columns, units, length)
         self._nuts = nuts
         self.warnings = list(warnings)
-        # If this table contains only selected rows, indices of these rows in the compiled module.
+        # If this table contains only selected rows: the indices of these rows in the compiled module.
         self._places = places
 
     if TYPE_CHECKING:
@@ -855,7 +855,7 @@ class Section(Mapping[str, Any]):
     def __getitem__(self, name: str) -> Any:
         if name not in self._entries:
             inside = {name: key for key, value in self._entries.items() if isinstance(value, Mapping) for name in value}
-            raise KeyError(f"{name} is in [{inside[name]!r}]" if name in inside
+            raise KeyError(f"{name} is an entry of [{inside[name]!r}]" if name in inside
                            else f"{name}{_near(name, [*self._entries, *inside])}")
         return self._entries[name]
 
@@ -1028,7 +1028,7 @@ class Ellipse(NamedTuple):
     spin_rad_s, creep_speed_m_s : float
         Angular velocity of spin, and creep speed of the friction law.
     saturated : bool
-        True if the whole ellipse slides.
+        True if all points of the ellipse slide.
     sticking_share : float
         Fraction of the load that is carried by points that stick.
     rolling_lines : list of float
@@ -1406,7 +1406,7 @@ class CalibrationReport(Report):
 
 
 class Solver(TypedDict, total=False):
-    """Solver settings, which are keywords of every function that solves points. `solve` describes them."""
+    """Solver settings, which are keywords of every function that solves points. `solve` describes each setting."""
 
     model: Model
     tolerance: float
@@ -1514,7 +1514,7 @@ def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[tuple[str, Lin
     axes: list[tuple[str, Linspace | list[float]]] = []
     for name, values in vary.items():
         if isinstance(values, (Uniform, Normal)):
-            raise InputError(f"`{name}` is random; solve_many(draw(...)) solves random points", key=name)
+            raise InputError(f"`{name}` is random; to solve random points, use solve_many(draw(...))", key=name)
         if not isinstance(values, Iterable) or isinstance(values, str):
             raise InputError(f"`{name}` is {values!r}; give a list of values, such as [{values!r}]", key=name)
         if isinstance(values, Linspace):
@@ -1558,7 +1558,7 @@ def _how(solver: Solver) -> _core.How:
 
 
 def _list(word: str, names: Sequence[str]) -> list[str]:
-    """Return a list of names. Reject a single string, because it would be read as a list of letters."""
+    """Return a list of names. Reject a single string, which Python would treat as a list of letters."""
     if isinstance(names, str):
         raise InputError(f"{word} takes a list of names, such as [{names!r}]", key=word)
     return list(names)
@@ -1666,7 +1666,7 @@ def sensitivities(case: Point = None, /, **question: Unpack[Question]) -> Table:
     """
     rows = _core.sensitivities(*_asked(case, question))
     if rows is None:
-        raise NotConvergedError("this point has no sensitivities", solve(case, **question))
+        raise NotConvergedError("the sensitivities cannot be calculated at this point", solve(case, **question))
     names = ["input", "value", "efficiency", "ball_torque_Nm", "efficiency_relative", "ball_torque_relative"]
     return _listed(names, rows)
 
@@ -1687,7 +1687,7 @@ def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
     Raises
     ------
     InputError
-        If the case lacks inputs for every model.
+        If the inputs of the case are not sufficient for any model.
 
     Examples
     --------
@@ -1727,7 +1727,8 @@ def solve_many(
     columns : sequence of str, optional
         Names of outputs (see `OUTPUTS`). Defaults to all outputs of a solution.
     keep : sequence of str
-        Other columns to copy, of any type except lists and structures. The columns of a frame keep their types.
+        Other columns to copy to the result, of any type except lists and structures. The columns of a frame keep their
+        types.
     missing : {"invalid", "base"}
         Meaning of null: "invalid" rejects the row, and "base" uses the value of `base`. NaN is always invalid.
     progress : bool or callable, optional
@@ -1763,7 +1764,7 @@ def solve_many(
     import numpy as np
 
     if missing not in ("invalid", "base"):
-        raise InputError(f"missing = {missing!r} must be 'invalid' or 'base'", key="missing")
+        raise InputError(f"missing is {missing!r}, but must be 'invalid' or 'base'", key="missing")
     case, keep = _case(base, {}), _list("keep", keep)
     if isinstance(points, Table):
         # Output columns of an earlier run are ignored.
@@ -1793,7 +1794,7 @@ def solve_many(
         else:
             raise _no_points(points)
     except InputError as error:
-        error.add_note("to copy a column that is not an input, such as a name, use keep=")
+        error.add_note("to copy a column that is not an input, such as a column of names, use keep=")
         raise
     if fixed:
         case = case.replace(**fixed)
@@ -1981,7 +1982,7 @@ def gradient(
     if method == "exact":
         if output not in ("efficiency", "ball_torque_Nm"):
             hint = "; use method='difference'" if output in OUTPUTS else _near(output, OUTPUTS)
-            raise InputError(f"exact derivatives are available for efficiency and ball_torque_Nm{hint}", key=output)
+            raise InputError(f"exact derivatives are available only for efficiency and ball_torque_Nm{hint}", key=output)
         whole = [(name, np.ascontiguousarray(column)) for name, column in columns.items()]
         found = _core.gradient(case, whole, length, wrt, output != "efficiency", _how(solver), threads)
         values = np.frombuffer(found[0], np.float64)
@@ -2004,7 +2005,7 @@ def gradient(
             ends = at({name: middle + width}) - at({name: middle - width})
             slopes[:, place] = ends / (2.0 * width)
     else:
-        raise InputError(f"method = {method!r} must be 'exact' or 'difference'", key="method")
+        raise InputError(f"method is {method!r}, but must be 'exact' or 'difference'", key="method")
     if not one:
         return values, slopes
     if np.isnan([values[0], *slopes[0]]).any():
@@ -2058,7 +2059,8 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
     Returns
     -------
     EllipsesReport
-        `contacts` contains an `Ellipse` with arrays for each contact. `found` has the same meaning as in `slip`.
+        `contacts` contains an `Ellipse` with arrays for each contact. If there is no steady motion, `found` is false, as
+        in `slip`.
 
     Raises
     ------
@@ -2075,7 +2077,7 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
     import numpy as np
 
     if not 1 <= points <= 500:
-        raise InputError(f"points = {points} must be from 1 to 500", key="points")
+        raise InputError(f"points is {points}, but must be from 1 to 500", key="points")
     report = EllipsesReport(*_core.ellipses(*_asked(case, question), points))
     for contact in report["contacts"] if report.found else []:
         side = len(contact["places"])
@@ -2296,8 +2298,8 @@ def select_nuts(
         `lead_mm`, `ball_diameter_mm`, `circuits` or `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`,
         `dynamic_load_rating_N`, `static_load_rating_N` and `stiffness_N_um`, in any unit. The program uses the ratings
         in the table, and adds the calculated ratings as columns `our_...`. With `requirement`, each nut is checked with
-        the rules of `axis`, and `passes` is true if it satisfies all rules; `failed_rules` names the failed rules, or is None. Nuts that pass come first, ordered by
-        the mass of screw and nut.
+        the rules of `axis`: `passes` is true if the nut satisfies all rules, and `failed_rules` names the rules that it
+        violates (None if there are none). Nuts that pass come first, ordered by the mass of screw and nut.
     columns_from : mapping, optional
         Maps the column names of `manufacturers` to names of this package. None ignores a column.
     pareto : bool
@@ -2399,7 +2401,7 @@ def fit(
     errors: Literal["relative", "absolute"] | None = None,
     **solver: Unpack[Solver],
 ) -> FitReport | CalibrationReport:
-    """Find input values at which an output has a measured value or a rule reaches its limit, like `bsm fit`.
+    """Find values of inputs at which an output has its measured value or a rule is at its limit, like `bsm fit`.
 
     Parameters
     ----------
@@ -2682,7 +2684,7 @@ def _no_points(points: Any) -> InputError:
     if hasattr(points, "collect"):
         return InputError(f"points is {kind}, which has no rows yet; give points.collect()")
     if isinstance(points, Case):
-        return InputError("points is a case; give the points first, then the case that they share")
+        return InputError("points is a case; the first argument must be the points, and the second may be a case with their common inputs")
     return InputError(f"points is {kind}; give a mapping of names to arrays, or a frame with an Arrow stream")
 
 
@@ -2702,7 +2704,7 @@ def _column(name: str, values: Any) -> Floats:
     import numpy as np
 
     if isinstance(values, (Uniform, Normal)):
-        raise InputError(f"`{name}` is random; draw the points with draw({{{name!r}: {values!r}, ...}}, samples)", key=name)
+        raise InputError(f"`{name}` is random; draw random points with draw({{{name!r}: {values!r}, ...}}, samples)", key=name)
     if isinstance(values, Linspace):
         values = np.linspace(*values)
     if hasattr(values, "magnitude") and hasattr(values, "to"):
@@ -2735,7 +2737,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _shown(progress: bool | Progress | None) -> Progress | None:
-    """Return the progress function, which is called with the number of finished rows."""
+    """Return the progress function, which is called with the numbers of finished rows and of all rows."""
     if progress is True:
         import sys
 

@@ -22,7 +22,7 @@ class BallscrewError(Exception):
 
 
 class InputError(BallscrewError, ValueError):
-    """An input, a column or a setting cannot be used.
+    """Raised if an input, a column or a setting is invalid.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class InputError(BallscrewError, ValueError):
     value : float or None
         Value of the input, if it violates a rule.
     rule : str or None
-        Rule for the value, as the text after "must be".
+        Rule that the value violates, worded as the text after "must be".
     nearest : str or None
         Known name that is closest to an unknown name.
     row : int or None
@@ -57,7 +57,7 @@ class InputError(BallscrewError, ValueError):
 
 
 class SolveError(BallscrewError, ArithmeticError):
-    """A point has no result.
+    """Raised if a point has no result.
 
     Attributes
     ----------
@@ -74,12 +74,12 @@ class SolveError(BallscrewError, ArithmeticError):
 
 
 class NoSolutionError(SolveError):
-    """The equations have no solution at this point."""
+    """Raised if the equations have no solution at a point."""
 
 
 class NotConvergedError(SolveError):
-    """The solver found no solution, but a solution may exist."""
+    """Raised if the solver found no solution although a solution may exist."""
 
 
 class PartError(BallscrewError):
-    """A part is missing or damaged, or could not be solved."""
+    """Raised if a part is missing or damaged, or could not be solved."""

@@ -1,4 +1,4 @@
-"""Solve large tables in parts, in any order and on any machine, and check the folders of these parts."""
+"""Solve large tables in parts, in any order and on any machine, and check the folders that contain the parts."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def curves(
     Returns
     -------
     matplotlib axes
-        The given axes, or new ones.
+        The given axes or, if no axes are given, new axes.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def heatmap(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
     Returns
     -------
     matplotlib axes
-        The given axes, or new ones.
+        The given axes or, if no axes are given, new axes.
 
     Raises
     ------
@@ -133,7 +133,7 @@ def pareto(
     Returns
     -------
     matplotlib axes
-        The given axes, or new ones.
+        The given axes or, if no axes are given, new axes.
     """
     import numpy as np
 

@@ -1,7 +1,7 @@
 """Measure the overhead of the package over the Rust crates: `python python/benches/overhead.py [--check] [--write]`.
 
-All numbers are ratios measured in one run on one thread. `--check` fails if a number exceeds its target more than three
-times, and `--write` writes the table of `docs/evidence/python.md`.
+All numbers are ratios measured in one run on one thread. `--check` fails if a number exceeds three times its
+target, and `--write` writes the table of `docs/evidence/python.md`.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ ROWS = 1_000_000
 ROUNDS = 9
 SLACK = 3.0
 KEPT = {"MALLOC_MMAP_THRESHOLD_": "1073741824", "MALLOC_TRIM_THRESHOLD_": "8589934592"}
-"""Environment variables with which glibc keeps freed memory. Without them, chance would decide which side of a
-comparison allocates new memory. Allocating four columns takes as long as solving the closed form."""
+"""Environment variables that make glibc keep freed memory. Without these variables, chance would decide which of the two
+compared functions allocates new memory, and allocating four columns takes as long as solving the closed form."""
 
 SCREW = bs.Case(
     ball_diameter_mm=6.35,
@@ -62,7 +62,7 @@ def points(rows: int) -> dict[str, np.ndarray]:
 
 def alternating(*works: Callable[[], float]) -> list[float]:
     """Return the shortest time of each function. The functions take turns, so that a busy moment of the machine affects
-    all of them."""
+    all functions."""
     times: list[list[float]] = [[] for _ in works]
     for _ in range(ROUNDS):
         for work, found in zip(works, times, strict=True):
@@ -191,7 +191,7 @@ def frames() -> list[Row]:
 
 
 def elsewhere() -> list[Row]:
-    """Measure import, memory and Ctrl-C, each in its own process."""
+    """Measure the import time, the memory and the response to Ctrl-C, each in its own process."""
 
     def told(code: str) -> float:
         env = {name: value for name, value in os.environ.items() if name not in KEPT}

@@ -30,8 +30,8 @@ grid = bs.sweep(
 )
 print(grid, grid.grid("efficiency").shape)
 
-# %% Find the points at which the balls roll. Their skid onset number is below one.
-rolls = grid.grid("onset_number") < 1.0
+# %% Find the points at which the balls roll, which means that their skid onset number is below 0.1.
+rolls = grid.grid("onset_number") < 0.1
 print(f"the balls roll at {rolls.mean():.0%} of the points")
 
 # %% Draw the map. Points without a result leave gaps.

@@ -4,7 +4,7 @@
 #![expect(
     clippy::needless_pass_by_value,
     clippy::type_complexity,
-    reason = "arguments from Python are owned, and tuples are rows of tables"
+    reason = "arguments from Python are passed by value, and rows of tables are tuples"
 )]
 
 mod case;
@@ -76,7 +76,7 @@ fn columns(table: &str) -> Result<Vec<(&'static str, &'static str, &'static str,
         .map(|o| (o.name, o.unit, o.about, o.json_type))
         .collect();
     if columns.is_empty() {
-        return Err(Error::from(format!("no answer has a table `{table}`")));
+        return Err(Error::from(format!("`{table}` is not a table of any answer")));
     }
     Ok(columns)
 }

@@ -53,6 +53,8 @@ pub(crate) fn value_of(key: &str, value: &Bound<'_, PyAny>) -> Result<Value> {
 pub(crate) fn case_of(json: Value) -> Result<Case, CaseError> {
     match json {
         Value::Object(entries) => Case::from_entries(entries),
-        other => Err(CaseError::Invalid(format!("{other} is not a case"))),
+        other => {
+            Err(CaseError::Invalid(format!("{other} is not a case; a case must be a JSON object")))
+        }
     }
 }

@@ -268,7 +268,7 @@ pub(crate) fn grid_of(axes: Vec<(String, AxisRange)>) -> Result<Grid> {
         let values = match values {
             AxisRange::Linspace { start, stop, number } => {
                 let count = usize::try_from(number).map_err(|_| {
-                    format!("`{name}`: a range has {number} values, but must have at least 2")
+                    format!("`{name}` has a range of {number} values, but must have at least 2")
                 })?;
                 AxisValues::Range { start, stop, count, log: false }
             }
@@ -343,7 +343,8 @@ type ThreadSet = (u32, Option<NonZeroUsize>, Arc<Workers<'static>>);
 /// process does not inherit the threads of its parent.
 static HELD: Mutex<Vec<ThreadSet>> = Mutex::new(Vec::new());
 
-/// Stop flag of the worker threads, which is never set. Each run has its own stop flag.
+/// Stop flag with which worker threads are created. It is never set, because each run has its own
+/// stop flag.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 /// Returns the set that has the requested number of threads. A set is started when it is first

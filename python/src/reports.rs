@@ -438,7 +438,8 @@ type ManufacturerTable = (
 
 /// Compares the catalog data in a manufacturer's table with calculated values. Returns the numeric
 /// columns and, for each nut, its name, whether it passes the rules of a requirement (`None` if
-/// undecided) with the names of the failed rules, and how its groove was determined. Also returns warnings, and the nuts as cases.
+/// undecided) with the names of the failed rules, and how its groove was determined. Also returns
+/// warnings, and the nuts as cases.
 ///
 /// * `table`: manufacturer's table as CSV text.
 /// * `names`: map from the column names of the table to the names of the program.

@@ -229,13 +229,16 @@ pub(crate) fn gradient(
                 InputSet::of(&[*key]).replaced().iter().find(|other| given.contains(*other));
             let instead =
                 other.map_or_else(String::new, |other| format!(": {} is given", other.name()));
-            return Err(Error::from(format!("`{}` has no value here{instead}", key.name())));
+            return Err(Error::from(format!(
+                "`{}` has no value in this case{instead}",
+                key.name()
+            )));
         }
         if let Some(target) = SET_BY_OTHERS.into_iter().find(|target| sets(*target, *key, &first)) {
             let [key, target] = [*key, target].map(InputKey::name);
             return Err(Error::from(format!(
-                "`{key}` also determines {target} here, which exact derivatives hold constant; give {target} instead, \
-                 or method=\"difference\""
+                "`{key}` also determines {target} in this case, but exact derivatives hold {target} constant; \
+                 give {target}, or use method=\"difference\""
             )));
         }
     }

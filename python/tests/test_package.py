@@ -154,7 +154,7 @@ def test_values_that_are_not_numbers_are_rejected(value: object) -> None:
 
 
 def test_a_point_without_solution_raises_an_error_with_the_solution(screw: bs.Case) -> None:
-    # First case in the guide on limits. The lead is too small for this friction coefficient.
+    # The screw is self-locking, because its lead is too small for this friction coefficient.
     locked = screw.replace(lead_angle_deg=0.5, friction_coefficient=0.3)
     answer = bs.solve(locked, model="rigid", check=False)
     assert answer.status == "no_solution" and math.isnan(answer.efficiency)
@@ -305,7 +305,7 @@ def test_common_mistakes_get_helpful_messages(screw: bs.Case) -> None:
         bs.select_nuts("thk")
     with pytest.raises(TypeError, match="there is no keyword `tolerence`, did you mean `tolerance`"):
         bs.solve_many(points, screw, tolerence=1e-3)  # type: ignore[call-arg]
-    with pytest.raises(bs.InputError, match=r"Case.read\(path\) reads a file"):
+    with pytest.raises(bs.InputError, match=r"to read a case file, use Case.read\(path\)"):
         bs.solve("examples/feed_drive.json")  # type: ignore[arg-type]
     for frame in ({**points, "name": ["a", "b"]}, pl.DataFrame({**points, "name": ["a", "b"]})):
         with pytest.raises(bs.InputError, match="column `name` holds") as refused:
@@ -321,11 +321,11 @@ def test_common_mistakes_get_helpful_messages(screw: bs.Case) -> None:
         bs.solve(screw, model=3)  # type: ignore[arg-type]
     with pytest.raises(bs.InputError, match="unknown key `modle`, did you mean `model`"):
         bs.solve(screw, modle="rigid")  # type: ignore[call-arg]
-    with pytest.raises(bs.InputError, match="`lead_angle_deg` has no value here: lead_mm is given"):
+    with pytest.raises(bs.InputError, match="`lead_angle_deg` has no value in this case: lead_mm is given"):
         bs.gradient(points, "efficiency", ["lead_angle_deg"], screw)
     with pytest.raises(bs.InputError, match="did you mean `efficiency`"):
         bs.gradient(points, "efficency", ["lead_mm"], screw)  # type: ignore[arg-type]
-    with pytest.raises(KeyError, match=r"is in \['results'\]"):
+    with pytest.raises(KeyError, match=r"is an entry of \['results'\]"):
         bs.axis(bs.Case.read(EXAMPLES / "axis.json"))["critical_speed_rpm"]
     with pytest.raises(KeyError) as caught:
         bs.solve_many(points, screw)["regime"]
@@ -591,7 +591,7 @@ def test_a_grid_has_labeled_axes(screw: bs.Case) -> None:
     assert frame["axial_load_N"].tolist()[:3] == [2e3, 8e3, 1.6e4]
 
 
-def test_axes_of_a_grid_are_shown_in_names_and_dataframes_and_notebooks(screw: bs.Case) -> None:
+def test_grid_axes_are_columns_of_tables_dataframes_and_notebook_views(screw: bs.Case) -> None:
     """Regression test: notebooks showed rows without the coordinates of their points."""
     vary = {"screw_speed_rpm": [500.0, 1500.0, 3000.0], "axial_load_N": [2e3, 8e3]}
     grid = bs.sweep(screw, vary=vary, columns=["efficiency"])
@@ -723,7 +723,7 @@ def test_exact_derivatives_match_finite_differences(screw: bs.Case) -> None:
 
 
 def test_a_gradient_without_solution_is_an_error_or_a_row_of_nan(screw: bs.Case) -> None:
-    # First case in the guide on limits. The lead is too small for this friction coefficient.
+    # The screw is self-locking, because its lead is too small for this friction coefficient.
     locked = screw.replace(lead_angle_deg=0.5)
     for method in ("exact", "difference"):
         with pytest.raises(bs.NoSolutionError):
@@ -842,7 +842,7 @@ def test_an_exception_in_the_progress_function_ends_the_run(screw: bs.Case) -> N
         bs.solve_many(random_points(300_000, 4), screw, model="traction", columns=["efficiency"], progress=stop)
 
 
-def test_progress_ends_with_all_rows(screw: bs.Case) -> None:
+def test_last_progress_call_reports_all_rows_as_finished(screw: bs.Case) -> None:
     seen: list[tuple[int, int]] = []
     bs.solve_many(random_points(100_000, 4), screw, model="raceway-control", columns=["efficiency"],
                   progress=lambda done, total: seen.append((done, total)))
