@@ -23,6 +23,10 @@ test *FLAGS:
 campaigns *FLAGS:
     CAMPAIGNS=whole cargo test --workspace --locked {{FLAGS}}
 
+# Store the screens, answers and schemas of the examples as new snapshots. `git diff` shows what has changed.
+snapshots:
+    INSTA_UPDATE=always cargo test --workspace --locked --test suite -- snapshots::
+
 # List the twenty slowest tests with their times in seconds. Requires cargo-nextest.
 slowest:
     cargo nextest run --workspace --locked 2>&1 | sed -n 's/^ *PASS \[ *//p' | sort -rn | head -20

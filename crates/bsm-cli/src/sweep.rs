@@ -274,6 +274,9 @@ fn points_of(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
 /// Returns the output that a plot shows, which is the first requested column.
 fn drawn(path: &Path, columns: Option<&[String]>) -> Result<&'static Output, Failure> {
     let name = columns.and_then(|columns| columns.first()).map_or("efficiency", String::as_str);
+    if columns.is_some_and(|columns| columns.len() > 1) {
+        warn("note", &format!("{} shows only {name}, the first of the --columns", path.display()));
+    }
     let found = Output::in_unit(name).map(|(output, _)| output);
     found.filter(|output| output.json_type == "number").ok_or_else(|| {
         Failure::Input(format!(

@@ -252,6 +252,60 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     }
 }
 
+/// Warning about a catalog stiffness that is not used.
+pub(crate) const UNUSED_RIGIDITY: &str = "rated_rigidity_N_um is not used, because rated_rigidity_at states a load on one nut, but the nut is preloaded. The stiffness of nut and axis is calculated instead and cannot be compared with the stiffness of other offers that follows from a catalog.";
+
+/// Results that are omitted if the speed is not given.
+const OF_SPEED: [OutputName; 42] = [
+    output!(largest_speed_rpm),
+    output!(largest_feed_m_min),
+    output!(equivalent_speed_rpm),
+    output!(critical_speed_ratio),
+    output!(nut_resonance_ratio),
+    output!(largest_speed_number_mm_min),
+    output!(cycle_life_h),
+    output!(cycle_life_years),
+    output!(cycle_life_by_balls_h),
+    output!(modified_life_h),
+    output!(modified_life_low_h),
+    output!(modified_life_high_h),
+    output!(required_life_revolutions),
+    output!(required_dynamic_load_N),
+    output!(required_dynamic_load_in_basis_N),
+    output!(steady_temperature_rise_K),
+    output!(steady_temperature_rise_low_K),
+    output!(steady_temperature_rise_high_K),
+    output!(nut_rise_K),
+    output!(screw_rise_K),
+    output!(end_1_rise_K),
+    output!(end_2_rise_K),
+    output!(steady_temperature_time_s),
+    output!(nut_heat_W),
+    output!(mean_heat_W),
+    output!(motor_speed_rpm),
+    output!(peak_torque_utilization),
+    output!(continuous_torque_at_mean_speed_Nm),
+    output!(rms_torque_utilization),
+    output!(peak_motor_power_W),
+    output!(peak_regenerated_power_W),
+    output!(stopping_distance_mm),
+    output!(stop_energy_J),
+    output!(heat_W),
+    output!(motor_power_W),
+    output!(screw_speed_rpm),
+    output!(feed_m_min),
+    output!(viscosity_ratio),
+    output!(start_feed_m_min),
+    output!(end_feed_m_min),
+    output!(start_speed_rpm),
+    output!(end_speed_rpm),
+];
+
+/// Returns true unless a result depends on the speed and the speed is not given.
+fn is_known(case: &Case, quantity: &Quantity) -> bool {
+    case.has_speed() || !OF_SPEED.iter().any(|output| output.name() == quantity.name)
+}
+
 quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
     "motion" {
         cycle_entry [""] Scalar(|p| p.entry()), "number of the cycle entry; empty for the standstill that fills the rest of the cycle time";
@@ -430,7 +484,9 @@ fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<St
     let lubricant = (contacts && !case.given().is_lubricated()).then_some(
         "lubricant, because its inputs are not given; the contacts are dry and have a constant friction coefficient",
     );
-    let preload = "exact friction torque of the preload; it is calculated with the manufacturers' rule, which is accurate to about 50 %";
+    let preload = case.is_preloaded().then_some(
+        "exact friction torque of the preload; it is calculated with the manufacturers' rule, which is accurate to about 50 %",
+    );
     let pushes = match (case.ball_gap_mm, case.is_preloaded()) {
         (None, _) => {
             "ball returns and ball-to-ball contact, which only the manufacturers' rule for the preload includes"
@@ -443,7 +499,7 @@ fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<St
             "ball returns, and ball-to-ball contact of a nut without preload, whose torque `bsm nut` calculates from ball_gap_mm"
         }
     };
-    let of_inputs = lubricant.into_iter().chain([preload]).chain(contacts.then_some(pushes));
+    let of_inputs = lubricant.into_iter().chain(preload).chain(contacts.then_some(pushes));
     of_inputs.chain([temperatures]).chain(NOT_MODELED).map(str::to_owned).collect()
 }
 
@@ -532,7 +588,7 @@ impl AxisReport {
         let texts = warnings.iter().map(|warning| warning.text.clone()).collect();
         let (machine, preload) = (&worked.machine, worked.preload.as_ref());
         let fold = worked.warm.as_ref().and_then(|warm| warm.fold.as_ref()).map(|fold| fold.factor);
-        let numbers = read(&worked, |_| true).where_finite();
+        let numbers = read(&worked, |quantity| is_known(case, quantity)).where_finite();
         sufficiency::check(case, &numbers)?;
         let rules = rules::rules(
             case,
@@ -675,6 +731,7 @@ pub(crate) fn numbers(
     let warm = Warm::state_of(case, settings, false)?;
     let settings = &warm.as_ref().map_or(*settings, |warm| warm.settings);
     let case = &warm.as_ref().map_or_else(|| case.clone(), |warm| warm.case(case));
+    let wanted = |quantity: &Quantity| is_known(case, quantity) && wanted(quantity);
     Ok(read(&AxisState::of(case, settings, warm)?, wanted).where_finite())
 }
 
@@ -684,6 +741,8 @@ pub(crate) fn numbers(
 /// * `of_ratings`: warnings about the ratings of the nut.
 fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -> Vec<Warning> {
     let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
+    texts.extend(case.unused_with_cycle());
+    texts.extend(worked.has_unused_rigidity().then(|| UNUSED_RIGIDITY.to_owned()));
     let is_estimated = case.has_estimated_groove();
     // An estimated groove may have different proportions than the real groove, so warnings about
     // the proportions are discarded.
@@ -812,8 +871,9 @@ impl AxisState<'_> {
         let samples = self.axis().phases[..=place].iter().map(|phase| phase.samples().len());
         let sample = samples.sum::<usize>() - 1;
         let nut = self.warm_state().and_then(|warm| warm.phases[sample].as_ref());
-        let motion = read_phase(&PhaseResult { worked: self, torques, nut }, |_| true);
-        let numbers = motion.and(torques.heavier().numbers());
+        let phase = PhaseResult { worked: self, torques, nut };
+        let motion = read_phase(&phase, |quantity| is_known(self.case, quantity));
+        let numbers = motion.and(torques.heavier().numbers()).where_finite();
         let bodies = nut.map(|nut| nut.bodies.clone());
         ScrewTorque { numbers, contacts: torques.heavier().contacts.text.clone(), bodies }
     }

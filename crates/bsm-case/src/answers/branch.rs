@@ -18,6 +18,9 @@ quantities! { pub(crate) QUANTITIES, read(&Efficiencies) of Branch;
     }
 }
 
+/// Reason why a model has no branch.
+const NO_BRANCH: &str = "the branch of increasing inertia can be followed only with the model rigid or traction (not auto), without a lubricant and without axial_play_um";
+
 /// Efficiencies of the steady motions on a branch.
 struct Efficiencies(Vec<f64>);
 
@@ -35,7 +38,7 @@ pub(crate) fn numbers(
 ) -> Result<Numbers, CaseError> {
     let none = |why: String| Numbers::none(QUANTITIES).because(Some(why));
     Ok(match case.problem(settings)?.branch(work) {
-        None => none("Only the models rigid and traction without a lubricant and without axial_play_um follow the branch of increasing inertia.".to_owned()),
+        None => none(NO_BRANCH.to_owned()),
         Some(Err(no_answer)) => none(message(no_answer.reason())),
         Some(Ok(states)) => {
             let efficiency = |state: &SteadyState| state.transmission.efficiency;

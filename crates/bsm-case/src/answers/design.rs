@@ -464,7 +464,8 @@ fn step(quantity: DesignQuantity) -> &'static Quantity {
 }
 
 /// Returns the selection steps of a design together with the rules of its axis sheet. A rule
-/// replaces the step that has the same quantity and limit.
+/// replaces the step that has the same quantity and limit, unless the rule assumes a guided load
+/// that the selection does not assume.
 fn rows_of(design: &Design, rules: &[Criterion]) -> Vec<DesignRow> {
     /// Largest relative difference between limits that count as equal. The limits can differ
     /// slightly, because the inputs in the case of a design are rounded.
@@ -477,6 +478,7 @@ fn rows_of(design: &Design, rules: &[Criterion]) -> Vec<DesignRow> {
                 && bounds(check).are_close_to(rule.bounds(), SAME)
         };
         match design.checks.iter().position(is_same) {
+            Some(_) if rule.margin_without_default.is_some() => {}
             Some(place) => rows[place] = DesignRow { step: rows[place].step, ..row },
             None => rows.push(row),
         }

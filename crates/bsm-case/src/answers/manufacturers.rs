@@ -638,7 +638,10 @@ impl ManufacturerRow {
         }));
         let kept: Vec<_> = first.texts.iter().map(|(name, _)| name.as_str()).collect();
         answer.notes.extend((!kept.is_empty()).then(|| {
-            format!("These columns are not inputs and have no effect: {}.", kept.join(", "))
+            format!(
+                "These columns are only copied to tables and have no other effect: {}.",
+                kept.join(", ")
+            )
         }));
         answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass.", rows.len())));
         answer.notes.extend((undecided > 0).then(|| {

@@ -3,10 +3,10 @@
 
 use serde_json::{Map, Value};
 
-use crate::answers::axis::{AxisReport, sheet_columns};
+use crate::answers::axis::{AxisReport, UNUSED_RIGIDITY, sheet_columns};
 use crate::answers::groove::pair;
 use crate::vocabulary::members::{Rows, Sentences, answer, row};
-use crate::{Answer, Criterion, Verdict};
+use crate::{Answer, Criterion, Verdict, output};
 
 row! {
     /// A rule of both offers.
@@ -112,18 +112,17 @@ fn with_titles(report: &AxisReport, words: &str, verdict: Verdict) -> String {
 /// * `names`: names of the offers, such as their file names.
 pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> Answer {
     let verdict = |name: &str, report: &AxisReport| {
-        let lacks = report.answer.all_not_given();
-        let words = match (report.verdict(), &lacks[..]) {
-            (Verdict::Fails, _) => with_titles(report, "fails", Verdict::Fails),
-            (Verdict::Undecided, _) => {
+        let words = match report.verdict() {
+            Verdict::Fails => with_titles(report, "fails", Verdict::Fails),
+            Verdict::Undecided => {
                 with_titles(report, "no rule fails; undecided", Verdict::Undecided)
             }
-            (Verdict::Passes, []) => "all rules pass".to_owned(),
-            (Verdict::Passes, lacks) => {
-                format!("all rules pass for the given inputs ({})", lacks.join("; "))
-            }
+            Verdict::Passes => "all rules pass".to_owned(),
         };
-        format!("{name}: {words}; order: {}", report.order)
+        let lacks = report.answer.all_not_given();
+        let assumed =
+            if lacks.is_empty() { String::new() } else { format!(" ({})", lacks.join("; ")) };
+        format!("{name}: {words}{assumed}; order: {}", report.order)
     };
     let offers = vec![verdict(names[0], first), verdict(names[1], second)];
     let [of_first, of_second] = [first, second].map(|report| &report.answer.rules[..]);
@@ -150,11 +149,18 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
             second_interval: other.and_then(|rule| rule.band).map(pair),
         }
     });
+    let is_unused = |report: &AxisReport| {
+        report.answer.warnings.iter().any(|warning| warning == UNUSED_RIGIDITY)
+    };
+    // A calculated stiffness cannot be compared with a stiffness that follows from a catalog.
+    let has_other_origin = is_unused(first) != is_unused(second);
     let numbers = sheet_columns().filter_map(|column| {
         let values = [first, second].map(|report| report.number(column.into()));
         values.iter().any(Option::is_some).then(|| {
             let [one, other] = values;
-            let best = if NEITHER.contains(&column.name) {
+            let best = if NEITHER.contains(&column.name)
+                || has_other_origin && column.name == output!(axis_stiffness_N_um).name()
+            {
                 None
             } else {
                 better(one, other, SMALLER.contains(&column.name))

@@ -363,7 +363,12 @@ impl NutFilter {
             found.why = match requirement {
                 _ if all.is_empty() => vec![NO_COMBINATION.to_owned()],
                 Some(requirement) if self.of_nut.is_empty() => blocks(requirement, &catalog),
-                _ => self.nearest(&catalog, &all),
+                _ => {
+                    let mut reasons = self.nearest(&catalog, &all, keeps);
+                    let limits = requirement.map(|requirement| blocks(requirement, &catalog));
+                    reasons.extend(limits.into_iter().flatten());
+                    reasons
+                }
             };
             return self.list(catalog, all.len(), requirement.is_some(), found);
         }
@@ -436,10 +441,18 @@ impl NutFilter {
 
     /// Returns reasons why no nut meets all conditions. Each reason states how many nuts would
     /// remain without one of the conditions, and which of their values comes closest to meeting it.
-    fn nearest(&self, catalog: &Catalog, all: &[u32]) -> Vec<String> {
+    ///
+    /// * `keeps`: function that returns true for the nuts that meet the requirement.
+    fn nearest(
+        &self,
+        catalog: &Catalog,
+        all: &[u32],
+        keeps: impl Fn(&Candidate) -> bool + Sync,
+    ) -> Vec<String> {
         let without = |(i, condition): (usize, &Condition)| {
             let others = |nut: &Candidate| {
-                self.of_nut.iter().enumerate().all(|(j, c)| j == i || c.is_met(nut, &[]))
+                let mut conditions = self.of_nut.iter().enumerate();
+                keeps(nut) && conditions.all(|(j, c)| j == i || c.is_met(nut, &[]))
             };
             let read = |nut: &Candidate| condition.column.read(nut, &[]);
             let rest = catalog.map(all, |_, nut| others(nut).then(|| read(nut)));
@@ -447,7 +460,9 @@ impl NutFilter {
             match condition.nearest_of(&rest) {
                 Some(value) => {
                     let (nuts, value) = (rest.len(), number(value));
-                    format!("without {text}, {nuts} nuts remain, and the nearest nut has {value}")
+                    format!(
+                        "without {text}, {nuts} nuts remain; the value closest to this condition is {value}"
+                    )
                 }
                 None => format!("without {text}, no nut remains either"),
             }

@@ -128,6 +128,12 @@ fn check_loaded(case: &Case, phases: &[Phase], carriage: &MachineTable) -> Resul
     if is_loaded || carriage.is_loaded() || case.is_preloaded() {
         return Ok(());
     }
+    if case.entries.cycle.is_some() && case.axial_load_N.is_some() {
+        return Err(bad(
+            "axial_load_N",
+            "has no effect beside a cycle, and no other load acts on the screw; give force_N in the entries of the cycle",
+        ));
+    }
     Err(CaseError::Invalid(
         "no load acts on the screw; give axial_load_N, a cycle with force_N, moved_mass_kg, guide_force_N, \
          or a preload"

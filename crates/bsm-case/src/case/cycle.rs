@@ -32,9 +32,23 @@ pub(crate) struct Cycle {
     pub(crate) notes: Vec<String>,
 }
 
+/// Speed of a screw whose speed is not given \[rad/s\]. It determines only the direction of motion,
+/// because results that depend on the speed are then omitted (see [`Case::has_speed`]).
+const UNKNOWN_SPEED: f64 = RPM;
+
+impl Case {
+    /// Returns true if the case contains a speed, a feed or a cycle.
+    pub(crate) fn has_speed(&self) -> bool {
+        self.entries.cycle.is_some()
+            || self.feed_m_min.is_some()
+            || self.nut_speed_rpm.is_some()
+            || self.speeds_rpm().is_some()
+    }
+}
+
 impl Cycle {
-    /// Converts the duty cycle of a case. If the case has no cycle, converts its operating point,
-    /// which is at standstill if no speed is given.
+    /// Converts the duty cycle of a case. If the case has no cycle, converts its operating point. If
+    /// no speed is given, the screw moves slowly forward ([`UNKNOWN_SPEED`]).
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         let load_factor = case.number(InputKey::load_factor);
         let Some(entries) = &case.entries.cycle else {
@@ -52,7 +66,8 @@ impl Cycle {
                 }
             };
             let force = case.axial_load_N.unwrap_or(0.0);
-            let point = ProfileSegment::constant(1.0, speed.unwrap_or(DutySpeed::REST), force);
+            let speed = speed.unwrap_or_else(|| DutySpeed::of_rotation(UNKNOWN_SPEED));
+            let point = ProfileSegment::constant(1.0, speed, force);
             let segments = vec![ProfileSegment { load_factor, ..point }];
             let rest_force = case.hold_force_N.unwrap_or(0.0);
             return Ok(Self { segments, time: None, rest_force, notes: Vec::new() });
@@ -146,7 +161,7 @@ impl Cycle {
 }
 
 impl Case {
-    /// Returns a note on a given load or speed that has no effect on an axis, because its cycle
+    /// Returns a warning about a given load or speed that has no effect on an axis, because its cycle
     /// states the loads and speeds of all phases.
     pub(crate) fn unused_with_cycle(&self) -> Option<String> {
         self.entries.cycle.as_ref()?;
@@ -154,7 +169,7 @@ impl Case {
         let names: Vec<_> = unused.map(InputKey::name).collect();
         (!names.is_empty()).then(|| {
             format!(
-                "Load and speed of the axis follow from the cycle. These inputs have no effect: {}.",
+                "These inputs have no effect beside a cycle: {}. Give force_N and feed_m_min (or screw_speed_rpm) in the entries of the cycle.",
                 names.join(", ")
             )
         })

@@ -113,8 +113,16 @@ impl Cells {
 
     /// Parses the number in a cell.
     pub(crate) fn number(&self, text: &str) -> Result<f64, CaseError> {
-        decimal_number(text, self.decimal)
-            .ok_or_else(|| CaseError::Invalid(format!("`{text}` is not a number")))
+        decimal_number(text, self.decimal).ok_or_else(|| {
+            let is_other =
+                |sign: char| sign != self.decimal && decimal_number(text, sign).is_some();
+            let hint = match (is_other(','), is_other('.')) {
+                (true, _) => "; for decimal commas, add --decimal comma",
+                (_, true) => "; for decimal points, add --decimal point",
+                _ => "",
+            };
+            CaseError::Invalid(format!("`{text}` is not a number{hint}"))
+        })
     }
 }
 

@@ -420,7 +420,7 @@ inputs! {
             "ratio of the limiting shear stress of the lubricant to the pressure; defaults to the ratio of base_oil";
         boundary_friction_coefficient [""] Above(0.0), Some(0.12),
             "boundary friction coefficient; applies where asperities touch. Usually 0.09 with friction modifiers and 0.15 at the start from rest";
-        lubricant_temperature_C ["C"] Within(-40.0, 200.0), None,
+        lubricant_temperature_C ["C"] Within(-60.0, 200.0), None,
             "temperature of the lubricant at the inlet of the contacts; alternative: heat_transfer_W_K and ambient_temperature_C";
         heat_transfer_W_K ["W/K"] Above(0.0), None,
             "heat transfer from the nut to the surroundings; replaces lubricant_temperature_C";

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 use super::error::{Known, brief};
 use super::units::{is_unit, long_name};
-use crate::{CaseEntries, CaseError, INPUTS, Output};
+use crate::{CaseEntries, CaseError, INPUTS, Output, REQUIREMENT_CHOICES};
 
 /// Description of a case for messages about invalid files.
 const OF_INPUTS: &str = "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
@@ -157,7 +157,25 @@ impl<'de> Visitor<'de> for UniqueKeys<'_> {
     }
 }
 
+/// Beginnings of keys that name a quantity in other words, each with the input to suggest.
+const SYNONYMS: [(&str, &str); 4] = [
+    ("stiffness_", "rated_rigidity_N_um"),
+    ("nut_stiffness_", "rated_rigidity_N_um"),
+    ("rigidity_", "rated_rigidity_N_um"),
+    ("nut_rigidity_", "rated_rigidity_N_um"),
+];
+
 pub(crate) fn unknown_key(key: &str) -> CaseError {
+    if REQUIREMENT_CHOICES.iter().any(|(name, ..)| *name == key) {
+        let what = format!(
+            "`{key}` is a key of a requirement, which `bsm select` reads, and not an input of a case"
+        );
+        return CaseError::Entry { key: key.to_owned(), what };
+    }
+    let synonym = SYNONYMS.iter().find(|(beginning, _)| key.starts_with(beginning));
+    if let Some((_, input)) = synonym {
+        return CaseError::unknown(Known::Input, key, Some(input));
+    }
     if Output::all().any(|output| output.name == key) {
         let what = format!(
             "`{key}` is a result, not an input; `bsm fit --measured {key}=VALUE --input NAME` finds the input that gives this result"

@@ -26,7 +26,9 @@ impl SelectionLimit {
             Self::LoadedTurns => "typical number of loaded turns",
             Self::BallOverLead => "ball diameter divided by lead",
             Self::UnsolvedNut => "calculation of the nut with all its balls",
-            Self::TemperatureRise => "recommended limit of the steady-state temperature rise",
+            Self::TemperatureRise => {
+                "recommended limit of the steady-state temperature rise (40 K)"
+            }
             Self::NutResonance => "resonance of the driven nut",
         }
     }

@@ -383,8 +383,9 @@ fn a_new_load_or_speed_replaces_the_cycle() {
     assert!(case.entries.cycle.is_none());
     case.apply(&[&format!("cycle={}", inputs["cycle"])]).expect("a cycle");
     let report = AxisReport::of(&case, &Settings::default()).expect("a sheet");
-    let note = "These inputs have no effect: screw_speed_rpm, axial_load_N.";
-    assert!(report.answer.notes.iter().any(|own| own.contains(note)), "{:?}", report.answer.notes);
+    let text = "These inputs have no effect beside a cycle: screw_speed_rpm, axial_load_N.";
+    let warnings = &report.answer.warnings;
+    assert!(warnings.iter().any(|warning| warning.contains(text)), "{warnings:?}");
 }
 
 /// Process forces of a jack or a lift also act at rest. The program cannot know this from

@@ -691,3 +691,42 @@ fn constant_process_force_acts_like_a_weight() {
         assert!((a - b).abs() <= 1e-12 * a.abs(), "{name}: {a} {b}");
     }
 }
+
+/// The torque of a catalog screw does not depend on the speed. Without a speed, results that depend
+/// on it must be omitted, not calculated for standstill.
+#[test]
+fn torque_is_calculated_without_a_speed() {
+    let line = r#"{"nominal_diameter_mm": 16, "lead_mm": 5, "axial_load_N": 1000}"#;
+    let torque = |settings: &[&str]| {
+        let report = sheet(line, settings).expect("a sheet");
+        (report.number(output!(peak_motor_torque_Nm)), report)
+    };
+    let (moving, _) = torque(&["screw_speed_rpm=100"]);
+    let (unknown, report) = torque(&[]);
+    assert_eq!(moving, unknown);
+    // T = F P / (2 pi eta) with the catalog efficiency of 0.9.
+    let expected = 1000.0 * 5e-3 / (2.0 * std::f64::consts::PI * 0.9);
+    assert_relative_eq!(unknown.expect("a torque"), expected, max_relative = 1e-12);
+    for omitted in [
+        output!(largest_speed_rpm),
+        output!(critical_speed_ratio),
+        output!(peak_motor_power_W),
+        output!(mean_heat_W),
+    ] {
+        assert_eq!(report.number(omitted), None, "{}", omitted.name());
+    }
+    let (_, tight) = torque(&["motor_peak_torque_Nm=0.82", "motor_max_speed_rpm=3000"]);
+    let fails = |title: &str| tight.answer.rules.iter().any(|r| r.title == title && !r.passes());
+    assert!(fails("peak torque of the motor"));
+    assert!(!tight.answer.rules.iter().any(|rule| rule.title == "motor speed" && rule.passes()));
+}
+
+#[test]
+fn results_of_an_unknown_screw_are_missing_instead_of_nan() {
+    let whirl = r#"{"shaft_diameter_mm": 25.4, "unsupported_length_mm": 2540,
+        "support": "fixed-fixed", "screw_speed_rpm": 800}"#;
+    let report = sheet(whirl, &[]).expect("a sheet");
+    assert_eq!(report.number(output!(peak_motor_torque_Nm)), None);
+    let text = format!("{} {:?}", report.order, report.answer.notes);
+    assert!(!text.contains("NaN"), "{text}");
+}

@@ -604,9 +604,10 @@ fn sweep_reports_rows_with_several_solutions() {
     let text = stdout(&output);
     let all: Vec<_> = text.lines().skip(1).filter_map(|row| row.rsplit(',').next()).collect();
     assert_eq!(all, ["3", "3", "3", "1", "1", "1"], "{text}");
+    let vary = ["sweep", &lin(), "--vary", "lead_angle_deg=8:9:2", "-o", "-"];
     let asked = ["--model", "quasi-static", "--columns", "branch_solutions"];
-    let text = stdout(&bsm(dir.path(), &[&sweep[..], &asked].concat(), ""));
-    assert!(text.contains("Only the models rigid and traction"), "{text}");
+    let text = stdout(&bsm(dir.path(), &[&vary[..], &asked].concat(), ""));
+    assert!(text.contains("only with the model rigid or traction"), "{text}");
     let output = bsm(dir.path(), &["solve", "steps.json", "--model", "rigid"], "");
     let said = stderr(&output);
     assert!(said.contains("2 other steady motions") && said.contains("0.921331"), "{said}");

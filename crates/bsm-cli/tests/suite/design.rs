@@ -126,7 +126,11 @@ fn invalid_options_for_the_nut_list_are_reported() {
     let heavy = ["--where", "dynamic_load_rating_N>=5e6"];
     let output = bsm(dir.path(), &[&["select"], &heavy[..]].concat(), "");
     assert_eq!(output.status.code(), Some(3));
-    assert!(stdout(&output).contains("and the nearest nut has"), "{}", stdout(&output));
+    assert!(
+        stdout(&output).contains("the value closest to this condition is"),
+        "{}",
+        stdout(&output)
+    );
     // Columns that `--sort` and `--where` use must be shown on the screen.
     let named = ["--sort", "clearance_per_turn_mm", "--where", "nut_length_mm<=50", "--first", "3"];
     let output = stdout(&bsm(dir.path(), &[&["select"], &named[..]].concat(), ""));

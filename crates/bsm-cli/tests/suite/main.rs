@@ -18,6 +18,7 @@ mod resume;
 mod robustness;
 mod schemas;
 mod size;
+mod snapshots;
 mod tables;
 
 // The private module `progress` is included here, so that its own tests are run. The program itself

@@ -488,7 +488,10 @@ fn a_preload_force_applies_to_the_cold_nut() {
         assert!((number(found, "cold_preload_N") - 2500.0).abs() < 1e-4, "{found}");
         assert!((number(found, "warm_preload_N") / expected - 1.0).abs() < 1e-7, "{found}");
         let notes = found["notes"].to_string();
-        assert!(notes.contains(&format!("2500 N cold, and {expected:.0} N at")), "{notes}");
+        assert!(
+            notes.contains(&format!("2500 N if the nut is cold, and {expected:.0} N at")),
+            "{notes}"
+        );
     }
     assert!((number(&o, "preload_setting_um") + 11.784_697).abs() < 1e-5, "{o}");
     assert!((number(&x, "preload_setting_um") - 11.784_697).abs() < 1e-5, "{x}");
@@ -552,7 +555,7 @@ fn commands_nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
     assert!(
         sheet["notes"]
             .to_string()
-            .contains("2500 N cold, and 4111 N at the operating temperatures"),
+            .contains("2500 N if the nut is cold, and 4111 N at the operating temperatures"),
         "{sheet}"
     );
     let life = number(&sheet["results"], "cycle_life_revolutions");
@@ -603,7 +606,9 @@ fn solve_of_a_nut_stops_at_the_first_ball_without_a_solution() {
     let notes = found["notes"].to_string();
     // The note must state why the torque is missing.
     assert!(
-        notes.contains("because ball 0 has no solution with model elastic: inertia forces"),
+        notes.contains(
+            "because ball 0 has no solution with model elastic: the ratio of inertia forces"
+        ),
         "{notes}"
     );
 }

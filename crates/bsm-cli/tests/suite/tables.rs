@@ -444,10 +444,14 @@ fn error_for_semicolon_separated_file_suggests_the_delimiter() {
         assert!(message.contains("add --delimiter semicolon, and --decimal comma"), "{message}");
     }
     let dialect = ["--delimiter", "semicolon", "--decimal", "comma"];
-    let (_, message) =
-        run(dir.path(), &[&["select", "--from", "nuts.csv"][..], &dialect].concat(), 2);
+    let list = ["select", "--from", "nuts.csv"];
+    let (_, message) = run(dir.path(), &[&list[..], &dialect].concat(), 0);
+    assert!(message.contains("have no other effect: Preis"), "{message}");
+    let misspelled = "nut;lead_mmm\na;5,0\n";
+    fs::write(at("nuts.csv"), misspelled).expect("a table");
+    let (_, message) = run(dir.path(), &[&list[..], &dialect].concat(), 2);
     assert!(
-        message.contains("unknown column `Preis`") && message.contains("--names MAP.json"),
+        message.contains("unknown column `lead_mmm`") && message.contains("--names MAP.json"),
         "{message}"
     );
     let named = [&axis[..], &dialect, &["--names", "names.json", "--json"]].concat();

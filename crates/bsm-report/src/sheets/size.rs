@@ -42,7 +42,7 @@ const EQUATIONS: [(char, &str); 5] = [
 /// quantities from geometry and accuracy grades.
 const DIGITS: [u8; 3] = [2, 3, 4];
 
-/// Results that appear only in the JSON file and not on the two pages of the sheet, because other
+/// Results that appear only in the JSON file and not on the sheet, because other
 /// results contain the same information or few readers need them.
 const IN_FILES_ALONE: [&str; 28] = [
     "cycle_life_revolutions",
@@ -123,7 +123,7 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
     text_of_table(table)
 }
 
-/// Returns the axis sheet as an HTML page, which prints on two pages of A4.
+/// Returns the axis sheet as an HTML page, which prints on two to three pages of A4.
 ///
 /// * `figures`: the figures of the sheet (see [`size_figures`]).
 /// * `input`: name and hash of the case file, if there is one.
@@ -475,7 +475,7 @@ fn among_limits(report: &AxisReport) -> Figure {
         curves.push(Curve::new("required life at constant load", 5, Stroke::Dotted, life));
     }
     curves.push(Curve {
-        marks: (1..=points.len()).map(|i| i.to_string()).collect(),
+        marks: phase_labels(&points, [far, high]),
         ..Curve::new("phases", 6, Stroke::Circles, points)
     });
     let caption = "Phases must lie to the left of the solid lines and below the other lines. Distant limits are omitted.";
@@ -484,6 +484,30 @@ fn among_limits(report: &AxisReport) -> Figure {
         [PlotAxis::from_zero("speed of the screw, rpm"), PlotAxis::from_zero("axial load, kN")],
         curves,
     )
+}
+
+/// Distance between two phases in the diagram, relative to the axes, below which their numbers would
+/// overlap.
+const LABEL_DISTANCE: f64 = 0.05;
+
+/// Returns the labels of the phases. Phases whose numbers would overlap share the label of the first
+/// one, such as "1, 3".
+///
+/// * `points`: speed and load of each phase.
+/// * `ends`: largest speed and largest load in the diagram.
+fn phase_labels(points: &[(f64, f64)], [far, high]: [f64; 2]) -> Vec<String> {
+    let mut labels = vec![String::new(); points.len()];
+    for (place, (speed, load)) in points.iter().enumerate() {
+        let is_near =
+            |(x, y): &(f64, f64)| ((x - speed) / far).hypot((y - load) / high) < LABEL_DISTANCE;
+        let first = (0..place).find(|i| !labels[*i].is_empty() && is_near(&points[*i]));
+        let number = (place + 1).to_string();
+        match first {
+            Some(first) => labels[first] += &format!(", {number}"),
+            None => labels[place] = number,
+        }
+    }
+    labels
 }
 
 /// Plots the axial load, feed rate and motor torque over the cycle, each divided by its largest

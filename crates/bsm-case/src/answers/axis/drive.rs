@@ -73,11 +73,13 @@ impl AxisState<'_> {
         Some(MotorPeak { load: end.point.load, torque: torque.abs(), without_load })
     }
 
-    /// Returns the largest magnitude of a quantity at the starts and ends of all phases.
+    /// Returns the largest magnitude of a quantity at the starts and ends of all phases, or `None` if
+    /// a value is unknown.
     pub(super) fn peak(&self, number: impl Fn(&Self, &Torques) -> Option<f64>) -> Option<f64> {
         let ends = self.torques.iter().flat_map(|torques| &torques.ends);
         let all: Option<Vec<f64>> = ends.map(|torques| number(self, torques)).collect();
-        Some(all?.into_iter().map(f64::abs).fold(0.0, f64::max))
+        let all = all.filter(|all| all.iter().all(|number| number.is_finite()))?;
+        Some(all.into_iter().map(f64::abs).fold(0.0, f64::max))
     }
 
     pub(super) fn rms_torque(&self) -> Option<f64> {

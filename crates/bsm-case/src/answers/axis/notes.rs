@@ -49,7 +49,6 @@ impl AxisState<'_> {
         notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
         notes.extend(self.nut.as_ref().and_then(NutReport::assumed_play));
         notes.extend(self.machine.assumed.iter().cloned());
-        notes.extend(self.case.unused_with_cycle());
         notes.extend(self.by_catalog());
         notes.extend(self.heaviest().and_then(Torques::costs));
         notes.extend(self.about_life());
@@ -226,7 +225,7 @@ impl AxisState<'_> {
                 let link = "The thermal conductance of the balls between nut and screw is estimated from the pitch circle diameter. The estimate is accurate to a factor of 2.";
                 notes.push(link.to_owned());
             }
-            if self.case.stroke_mm.is_none() {
+            if self.machine.stroke.is_none() {
                 let what = "stroke_mm is not given, so the temperatures assume that the nut travels along the whole screw except for the overrun at both ends.";
                 notes.push(what.to_owned());
             }
@@ -388,7 +387,8 @@ impl AxisState<'_> {
             let usual = frictions.map(|usual| if drives { friction - usual } else { usual - friction });
             let [one, other] = usual.map(|more| torque + more);
             let (low, high) = (one.min(other), one.max(other));
-            Some(format!(
+            // Without a lead, the torque is not known.
+            torque.is_finite().then(|| format!(
                 "The torque of {torque:.3} N m at the largest load during motion is calculated from the catalog efficiency; typical efficiencies give {low:.3} to {high:.3} N m."
             ))
         });

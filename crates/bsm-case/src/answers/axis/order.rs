@@ -64,7 +64,10 @@ impl AxisState<'_> {
         let mut order = Order::default();
         order.add("manufacturer", "", self.case.entries.manufacturer.clone());
         order.add("code", "", self.case.entries.order_code.clone());
-        order.add("size", "", format!("{size} x {} {}", mm(screw.lead), in_mm.text));
+        let is_known =
+            screw.lead.is_finite() && (nominal.is_some() || screw.pitch_diameter.is_finite());
+        let size = is_known.then(|| format!("{size} x {} {}", mm(screw.lead), in_mm.text));
+        order.add("size", "", size);
         // The order data do not contain the ball diameter of an estimated groove.
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
         if let Some((nut, _)) = given {
@@ -85,7 +88,8 @@ impl AxisState<'_> {
             PreloadMethod::Offset => "nut with a shifted lead, length",
             PreloadMethod::Oversize => "nut with oversize balls, length",
         };
-        order.add("nut", "", format!("{method} {}", with_nut(self.machine.body.length)));
+        let nut_length = Some(self.machine.body.length).filter(|length| length.is_finite());
+        order.add("nut", "", nut_length.map(|length| format!("{method} {}", with_nut(length))));
         let preload = self.preload.as_ref();
         let cold = |preload: &Preload| format!("{:.0} {}", force.value(preload.cold), force.text);
         order.add("preload", "preload ", preload.map(cold));

@@ -92,9 +92,9 @@ impl RuleInputs<'_> {
         self.case.entries.motor_curve.as_ref().map(|_| 1.0)
     }
 
-    /// Returns true if the screw moves. For a screw at standstill, life is not checked.
+    /// Returns true if the screw moves at a known speed. Otherwise, life is not checked.
     fn moves(&self) -> bool {
-        self.axis.fastest() > 0.0
+        self.case.has_speed() && self.axis.fastest() > 0.0
     }
 
     /// Returns the source of the buckling rule. It names the end conditions, states whether they

@@ -6,8 +6,8 @@ use std::collections::hash_map::Entry;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Duty, Grade, Life, Mount, PERMITTED_STRESS, Phase, Shaft, in_series, life, lost_motion,
-    natural_frequency, pair_loads,
+    Axis, Duty, Grade, Life, Mount, PERMITTED_STRESS, Phase, Shaft, StiffnessAt, in_series, life,
+    lost_motion, natural_frequency, pair_loads,
 };
 use bsm_dyn::ModelWorkspace;
 
@@ -297,6 +297,14 @@ impl<'a> AxisState<'a> {
             Some(rise) => Some(self.shaft()?.growth(self.expansion()?, rise)),
             None => Some(self.heating?.growth),
         }
+    }
+
+    /// Returns true if the catalog states a stiffness that cannot be used, because it applies to one
+    /// nut under a load and the nut is preloaded.
+    pub(super) fn has_unused_rigidity(&self) -> bool {
+        let at = self.case.entries.rated_rigidity_at;
+        let is_of_one = matches!(at, Some(Named(StiffnessAt::Load(_))));
+        self.case.rated_rigidity_N_um.is_some() && is_of_one && self.axis().preload.is_some()
     }
 
     /// Returns the stiffness of the nut under the largest load \[N/µm\], calculated from all balls

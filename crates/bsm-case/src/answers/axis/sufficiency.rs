@@ -19,8 +19,7 @@ enum Need {
 
 use Need::{Core, DynamicRating, Lead, Length, Load, PitchCircle, Speed, StaticRating};
 
-/// Label, output and required inputs of each result. If two results have the same number of missing
-/// inputs, the error message suggests the inputs of the result that is listed first.
+/// Label, output and required inputs of each result.
 const RESULTS: [(&str, OutputName, &[Need]); 7] = [
     ("life", output!(cycle_life_h), &[DynamicRating, Load, Speed]),
     ("static safety", output!(static_safety_factor), &[StaticRating, Load]),
@@ -30,6 +29,9 @@ const RESULTS: [(&str, OutputName, &[Need]); 7] = [
     ("core stress", output!(yield_load_N), &[Core, Load]),
     ("speed number", output!(largest_speed_number_mm_min), &[PitchCircle, Speed]),
 ];
+
+/// The torque with a constant friction coefficient or a catalog efficiency does not need the speed.
+const TORQUE: OutputName = output!(screw_torque_Nm);
 
 /// Results that depend neither on the screw nor on its load, such as the resolution of a motor.
 const OTHER_RESULTS: [OutputName; 3] =
@@ -65,7 +67,7 @@ impl Need {
             Load => {
                 cycles || case.is_loaded() || case.moved_mass_kg.or(case.guide_force_N).is_some()
             }
-            Speed => cycles || case.feed_m_min.is_some() || case.speeds_rpm().is_some(),
+            Speed => case.has_speed(),
             DynamicRating => case.rated_dynamic_load_N.is_some(),
             StaticRating => case.rated_static_load_N.is_some(),
             Length => case.unsupported_length_mm.or(case.stroke_mm).is_some(),
@@ -79,8 +81,16 @@ impl AxisState<'_> {
     /// Returns a sentence for each result that is omitted because inputs are missing.
     pub(super) fn left_out(&self) -> Vec<String> {
         let has_groove = self.machine.groove.is_some() && !self.case.has_estimated_groove();
-        let is_met = |need: &Need| need.is_met(self.case, has_groove);
-        let line = |(label, _, needs): &(&str, OutputName, &[Need])| {
+        let is_met = |need: &Need| {
+            // A cycle with durations determines the stroke.
+            let has_stroke = *need == Length && self.machine.stroke.is_some();
+            has_stroke || need.is_met(self.case, has_groove)
+        };
+        let has_torque = self.torque_at_largest_load().is_some();
+        let line = |(label, name, needs): &(&str, OutputName, &[Need])| {
+            if has_torque && *name == TORQUE {
+                return None;
+            }
             let missing: Vec<_> =
                 needs.iter().filter(|need| !is_met(need)).map(|need| need.words()).collect();
             (!missing.is_empty()).then(|| {
@@ -99,7 +109,7 @@ impl AxisState<'_> {
 /// # Errors
 ///
 /// Returns a [`CaseError`] that names the smallest set of inputs with which a result could be
-/// calculated, with a preference for inputs that catalogs state.
+/// calculated. If several results need equally few inputs, the error names all of them.
 pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
     let has_groove = !case.lacks_groove() && !case.has_estimated_groove();
     let missing = |needs: &[Need]| -> Vec<&'static str> {
@@ -107,16 +117,18 @@ pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
         missing.map(|need| need.words()).collect()
     };
     let has_result = |(_, number, needs): &(&str, OutputName, &[Need])| {
-        missing(needs).is_empty() && numbers.number(*number).is_some()
+        let is_sufficient = *number == TORQUE || missing(needs).is_empty();
+        is_sufficient && numbers.number(*number).is_some()
     };
     let is_known = |number: &OutputName| numbers.number(*number).is_some();
     if RESULTS.iter().any(has_result) || OTHER_RESULTS.iter().any(is_known) {
         return Ok(());
     }
-    let ways = RESULTS.iter().map(|(label, _, needs)| (label, missing(needs)));
-    let (label, missing) = ways.min_by_key(|(_, missing)| missing.len()).expect("results");
-    Err(CaseError::Invalid(format!(
-        "no result can be calculated; for the {label}, give {}; or give load, speed and the groove (8 inputs, see `bsm schema input`)",
-        missing.join(", ")
-    )))
+    let ways: Vec<_> = RESULTS.iter().map(|(label, _, needs)| (label, missing(needs))).collect();
+    let fewest = ways.iter().map(|(_, missing)| missing.len()).min().unwrap_or_default();
+    let shortest = ways.iter().filter(|(_, missing)| missing.len() == fewest);
+    let shortest: Vec<_> = shortest
+        .map(|(label, missing)| format!("for the {label}, give {}", missing.join(", ")))
+        .collect();
+    Err(CaseError::Invalid(format!("no result can be calculated; {}", shortest.join("; "))))
 }
