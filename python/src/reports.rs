@@ -351,7 +351,7 @@ pub(crate) fn write_numbers(
         let file = beside(&path)?;
         let heads =
             names.iter().map(|Output { name, unit, .. }| ColumnHead { name, unit, is_text: false });
-        let mut sink = TableSink::of_columns(format, file, heads)?;
+        let mut sink = TableSink::of_columns(format, file, heads, &TableFormat::default())?;
         let len = columns.first().map_or(0, |(_, values)| values.0.len());
         for first in (0..len).step_by(PART) {
             let rows = first..len.min(first + PART);

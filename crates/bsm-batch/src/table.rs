@@ -140,12 +140,13 @@ impl<W: Write + Send> TableSink<W> {
         format: Format,
         out: W,
         heads: impl IntoIterator<Item = ColumnHead<'a>>,
+        table_format: &TableFormat,
     ) -> Result<Self, TableError> {
         let fields = heads.into_iter().map(|ColumnHead { name, unit, is_text }| {
             if is_text { Field::new(name, DataType::Utf8, true) } else { field(name, unit) }
         });
         let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
-        Self::of_schema(format, out, schema, &TableFormat::default())
+        Self::of_schema(format, out, schema, table_format)
     }
 
     fn of_schema(

@@ -302,11 +302,20 @@ pub(crate) struct NamedTableArgs {
     /// JSON file that maps your column names to ours; null ignores a column.
     #[arg(long, value_name = "FILE")]
     pub(crate) names: Option<PathBuf>,
+    /// CSV format of the output: standard, or same (--delimiter and --decimal).
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        default_value = "standard",
+        hide_possible_values = true,
+        hide_default_value = true
+    )]
+    csv_format: CsvFormat,
 }
 
 /// CSV format of an output table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum CsvFormat {
+enum CsvFormat {
     Standard,
     Same,
 }
@@ -367,11 +376,22 @@ impl NamedTableArgs {
         Ok(format)
     }
 
-    /// Returns an error if one of the options for input tables is given although no table is read.
+    /// Returns the format of output tables.
+    pub(crate) fn output_format(&self) -> TableFormat {
+        match self.csv_format {
+            CsvFormat::Standard => TableFormat::default(),
+            CsvFormat::Same => self.dialect.format(),
+        }
+    }
+
+    /// Returns an error if one of the options for tables is given although no table is read, and the
+    /// output does not have the same format.
     ///
     /// * `table`: name of the option that specifies the table.
     pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {
-        self.dialect.only_with(table)?;
+        if self.csv_format == CsvFormat::Standard {
+            self.dialect.only_with(table)?;
+        }
         not_without_table(self.names.as_ref().map(|_| "--names"), table)
     }
 }
@@ -648,17 +668,6 @@ pub(crate) struct SweepArgs {
     pub(crate) keep: Vec<String>,
     #[command(flatten)]
     pub(crate) table: NamedTableArgs,
-    /// CSV format of the output: standard, or same (as the --points table).
-    #[arg(
-        long,
-        value_name = "FORMAT",
-        default_value = "standard",
-        hide_possible_values = true,
-        hide_default_value = true,
-        requires_if("same", "points"),
-        help_heading = "Table"
-    )]
-    pub(crate) csv_format: CsvFormat,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
     /// Output file. .csv, .jsonl, .parquet, .xlsx, `-`: table; DIR/: its parts; .svg, .png: curves;

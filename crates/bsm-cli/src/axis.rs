@@ -37,7 +37,8 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     if args.out.output.iter().any(|path| ending_of("-o", path, &["dxf"]).is_ok()) {
         drawing.as_ref().map_err(|error| Failure::case(args.case.path(), error))?;
     }
-    let table = |path: &Path| files::write(path, &size_table(&report)?);
+    let table =
+        |path: &Path| files::write(path, &size_table(&report, &args.table.output_format())?);
     let draw = || {
         let line = waiting("drawing the figures");
         let figures = size_figures(&report);

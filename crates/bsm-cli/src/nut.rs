@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use bsm_case::{Case, ColumnValues, Columns, NutProblem, NutReport, Samples, ShownColumn};
+use bsm_case::{
+    Case, ColumnValues, Columns, NutProblem, NutReport, Samples, ShownColumn, TableFormat,
+};
 use bsm_report::sheets::nut_figures;
 use rayon::prelude::*;
 
@@ -70,5 +72,6 @@ fn write(path: &Path, table: &Columns, case: &Case) -> Result<(), Failure> {
     let shown = shown.map_err(|e| Failure::Input(e.to_string()))?;
     let values = |column: usize| table.rows.iter().map(|row| row[column]).collect();
     let values = (0..heads.len()).map(|column| ColumnValues::Numbers(values(column))).collect();
-    write_columns(path, &shown, std::iter::once(values), &case.to_json())
+    let format = TableFormat::default();
+    write_columns(path, &shown, std::iter::once(values), &case.to_json(), &format)
 }

@@ -72,7 +72,7 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
     let table = |path: &Path| {
         let parts = (0..written).step_by(PART);
         let parts = parts.map(|from| list.values(from..written.min(from + PART)));
-        write_columns(path, &columns, parts, &request(args)?)
+        write_columns(path, &columns, parts, &request(args)?, &args.table.output_format())
     };
     // The nuts in a manufacturer's table are few enough to print all of them.
     let usual = if list.catalog().is_some() { SHOWN } else { usize::MAX };

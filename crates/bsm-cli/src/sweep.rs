@@ -6,7 +6,7 @@ use bsm_batch::dataset::Points;
 use bsm_batch::{ColumnUnits, Draws, TableFormat, Task, Workers};
 use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, Output, Settings};
 
-use crate::args::{CsvFormat, SweepArgs, with_units};
+use crate::args::{SweepArgs, with_units};
 use crate::failure::{Failure, note_unused, warn};
 use crate::files::{InputFiles, OutputFile, ending_of, is_stdout, read_case, write_bytes};
 use crate::lookup::Lookup;
@@ -65,7 +65,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let title = title.map_or_else(String::new, |text| format!("{}: ", head(text)));
     let of = watched.map_or_else(String::new, |output| output.name.replace('_', " "));
     let title = format!("{title}{of}, model {model}");
-    let job = files.job((task, units), args, TableFormat::default())?;
+    let job = files.job((task, units), args, args.table.output_format())?;
     let mut source = points.open()?;
     let solved = job.run(source.as_mut(), &points, workers, |chunk, answers, values| {
         for (.., picture) in &mut pictures {
@@ -104,11 +104,7 @@ fn of_table(
         return Err(Failure::Input(text));
     }
     let table_format = args.table.format()?;
-    let output_format = if args.csv_format == CsvFormat::Same {
-        table_format.clone()
-    } else {
-        TableFormat::default()
-    };
+    let output_format = args.table.output_format();
     let mut source = open(path, &args.keep, &table_format)?;
     let task = Task::over_table(base, settings, outputs, source.columns()).map_err(|error| {
         let path = path.display();

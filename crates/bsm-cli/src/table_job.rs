@@ -401,11 +401,13 @@ pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
 /// * `columns`: columns of the table in display units.
 /// * `parts`: blocks of rows; each block contains the values of all columns.
 /// * `about`: description of the table's origin.
+/// * `table_format`: format of a CSV table.
 pub(crate) fn write_columns<'a>(
     path: &Path,
     columns: &'a [ShownColumn],
     parts: impl Iterator<Item = Vec<ColumnValues>>,
     about: &Value,
+    table_format: &TableFormat,
 ) -> Result<(), Failure> {
     let shown = |part: Vec<ColumnValues>| -> Vec<ColumnValues> {
         columns.iter().map(|column| column.values(&part)).collect()
@@ -426,7 +428,7 @@ pub(crate) fn write_columns<'a>(
                 for (head, values) in heads.iter_mut().zip(parts.peek().into_iter().flatten()) {
                     head.is_text = matches!(values, ColumnValues::Texts(_));
                 }
-                let mut table = TableSink::of_columns(format, out, heads)?;
+                let mut table = TableSink::of_columns(format, out, heads, table_format)?;
                 for part in parts {
                     table.write_columns(part)?;
                 }

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use bsm_batch::{Answers, ColumnHead, Format, GridSource, TableSink, Task, Workers};
+use bsm_batch::{Answers, ColumnHead, Format, GridSource, TableFormat, TableSink, Task, Workers};
 use bsm_case::{Case, ColumnValues, Grid, GridAxis, Output};
 use bsm_dyn::Model;
 use bytes::Bytes;
@@ -46,7 +46,9 @@ fn numbers_round_trip_through_parquet() {
         let gaps = [0.0, 0.0, 0.02, 0.6, 1.0][rng.random_range(0..5)];
         let mut expected: Vec<f64> = Vec::new();
         let head = ColumnHead { name: output.name, unit: output.unit, is_text: false };
-        let mut sink = TableSink::of_columns(Format::Parquet, Vec::new(), [head]).expect("head");
+        let mut sink =
+            TableSink::of_columns(Format::Parquet, Vec::new(), [head], &TableFormat::default())
+                .expect("head");
         for _ in 0..rng.random_range(1..5) {
             let (kind, first) = (rng.random_range(0..5), expected.len());
             for row in first..first + rng.random_range(1..700) {

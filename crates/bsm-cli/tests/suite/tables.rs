@@ -458,4 +458,9 @@ fn error_for_semicolon_separated_file_suggests_the_delimiter() {
     let output = bsm(dir.path(), &named, "");
     let sheet = json(&stdout(&output));
     assert_eq!(sheet["phases"][0]["start_feed_m_min"], 12.0, "{}", stderr(&output));
+    let same = ["--names", "names.json", "--csv-format", "same", "-o", "rules.csv"];
+    bsm(dir.path(), &[&axis[..], &dialect, &same].concat(), "");
+    let rules = fs::read_to_string(at("rules.csv")).expect("a table");
+    let row = rules.lines().find(|row| row.starts_with("core stress")).expect("a rule");
+    assert!(row.contains(';') && row.contains(','), "{row}");
 }

@@ -6,7 +6,8 @@ use std::f64::consts::TAU;
 use bsm_case::units::label;
 use bsm_case::{
     Answer, AxisReport, Content, Criterion, DisplayUnit, GrooveSection, Numbers, OutputName,
-    Quantity, Row, ScrewTorque, Verdict, digits, exact, interval, output, trimmed, with_interval,
+    Quantity, Row, ScrewTorque, TableFormat, Verdict, digits, exact, interval, output, trimmed,
+    with_interval,
 };
 use serde_json::{Value, json};
 
@@ -94,13 +95,17 @@ pub fn size_results(report: &AxisReport) -> Value {
 
 /// Returns the rules of an axis sheet as CSV.
 ///
+/// * `format`: column separator and decimal sign.
+///
 /// # Errors
 ///
 /// Returns [`ReportError::Table`] if the table cannot be written.
-pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
+pub fn size_table(report: &AxisReport, format: &TableFormat) -> Result<String, ReportError> {
     let report = &report.displayed();
+    let exact = |number: f64| exact(number).replace('.', &format.decimal.to_string());
     let text = |number: Option<f64>| number.map_or_else(String::new, exact);
-    let mut table = csv::Writer::from_writer(Vec::new());
+    let delimiter = u8::try_from(format.delimiter).unwrap_or(b',');
+    let mut table = csv::WriterBuilder::new().delimiter(delimiter).from_writer(Vec::new());
     let is_estimated = report.case.has_estimated_groove();
     let ends = ["low", "high"].into_iter().filter(|_| is_estimated);
     let head = ["rule", "symbol", "value"].into_iter().chain(ends);
