@@ -225,14 +225,14 @@ pub(crate) struct ModelArgs {
     /// Largest error of the efficiency that model auto accepts; defaults to 0.01.
     #[arg(long, value_name = "ERROR", value_parser = number_of(Settings::TOLERANCE))]
     tolerance: Option<f64>,
-    /// Relative error of the friction integrals in model traction; defaults to 1e-8.
+    /// Relative error of the friction integrals in traction; defaults to 1e-8.
     #[arg(long, value_name = "ERROR", value_parser = number_of(Settings::ACCURACY))]
     accuracy: Option<f64>,
     /// Creep speed of model traction, divided by ball radius times relative speed of screw and nut;
     /// defaults to 1e-4.
     #[arg(long, value_name = "RATIO", value_parser = number_of(Settings::CREEP))]
     creep: Option<f64>,
-    /// Controlling raceway in raceway-control: nut or screw. Automatic by default.
+    /// Controlling raceway in raceway-control: nut or screw (default: automatic).
     #[arg(long, value_name = "RACEWAY", hide_possible_values = true, value_parser = PossibleValuesParser::new(Control::ALL.map(Control::name)))]
     control: Option<String>,
     /// Friction of a lubricant film in model raceway-control: local (at each point, the default) or

@@ -127,11 +127,6 @@ pub(super) fn contacts(
         let text = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();
         return Ok(Contacts::none(text));
     }
-    if !case.has_speed() && case.given().is_lubricated() {
-        let text =
-            "no torque: friction from the lubricant depends on the speed, which is not given";
-        return Ok(Contacts::none(text.to_owned()));
-    }
     if *speed == 0.0 {
         return Ok(Contacts::halved(0.0, "at rest"));
     }

@@ -22,6 +22,10 @@ use crate::vocabulary::entries::{KappaBy, Named};
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey, NutReport, OutputName, Settings, output};
 
+/// Reason why the contacts of a lubricated screw have no friction.
+const NO_SPEED: &str =
+    "no torque: friction from the lubricant depends on the speed, which is not given";
+
 /// Intermediate results from which the axis sheet is calculated.
 pub(crate) struct AxisState<'a> {
     pub(super) case: &'a Case,
@@ -84,10 +88,14 @@ impl<'a> AxisState<'a> {
         // Contact friction depends only on load and speed, so it is calculated only once for
         // moments with equal load and speed.
         let mut solved: HashMap<[u64; 2], Contacts> = HashMap::new();
+        let has_friction = case.has_speed() || !case.given().is_lubricated();
         let torque = |phase: &Phase| {
             PhaseTorques::of(phase, &machine.drive, warm_preload, |point| {
                 let contacts = match solved.entry(at_bits(point.load, point.friction_speed)) {
                     Entry::Occupied(known) => known.get().clone(),
+                    Entry::Vacant(first) if !has_friction => {
+                        first.insert(Contacts::none(NO_SPEED.to_owned())).clone()
+                    }
                     Entry::Vacant(first) => {
                         let found = contacts(&of_a_moment, settings, advance, point, &mut work)?;
                         first.insert(found).clone()
