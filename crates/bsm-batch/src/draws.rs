@@ -183,7 +183,7 @@ impl Draws {
     pub fn columns(&self) -> impl Iterator<Item = (InputKey, Vec<f64>)> {
         self.of.iter().enumerate().map(|(index, draw)| {
             let mut values = Vec::new();
-            self.fill(index, 0..self.count, &mut values);
+            self.append_values(index, 0..self.count, &mut values);
             (draw.key, values)
         })
     }
@@ -198,7 +198,7 @@ impl PointSet for Draws {
         self.count
     }
 
-    fn fill(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>) {
+    fn append_values(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>) {
         /// Number of 32-bit words that the random number generator needs for one number between 0
         /// and 1.
         const WORDS: u128 = 2;

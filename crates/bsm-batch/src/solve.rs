@@ -154,7 +154,7 @@ impl<'a> Solver<'a> {
         outputs.extend(task.watched.filter(|_| only_watched));
         let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
         let mut analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
-        if analyses.contains(&AnalysisKind::Warm) && task.base.asks_warm() {
+        if analyses.contains(&AnalysisKind::Warm) && task.base.requests_warm_state() {
             // The warm-state analysis also returns some results of the warm nut. If these results
             // include all requested results of the nut, the nut analysis is omitted, so that the
             // warm state is calculated only once.
@@ -436,7 +436,7 @@ impl ChunkSolve<'_> {
                     let values =
                         indices.filter_map(|(index, output)| Some((index, numbers.value(output)?)));
                     values.for_each(|(index, value)| put(index, value));
-                    words.extend(numbers.why().map(|why| format!("{}: {why}", kind.name())));
+                    words.extend(numbers.reason().map(|why| format!("{}: {why}", kind.name())));
                 }
                 Err(error) if !solves => return self.invalid(&error),
                 Err(error) => words.push(format!("{}: {error}", kind.name())),

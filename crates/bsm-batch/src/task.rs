@@ -96,10 +96,10 @@ impl Task {
 
     /// Selects a single model for all rows and outputs if an output depends on the motion of the
     /// ball.
-    fn of_motion(mut self, given: InputSet) -> Self {
+    fn with_motion_model(mut self, given: InputSet) -> Self {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         if outputs.any(|output| output.analysis().is_some_and(AnalysisKind::needs_motion)) {
-            self.settings.model = self.settings.model.of_motion(given);
+            self.settings.model = self.settings.model.for_motion(given);
         }
         self
     }
@@ -131,7 +131,7 @@ impl Task {
         let task = Self { watched, ..Self::new(base, settings, outputs) };
         let task = task.with_groove(grid.varied())?;
         let given = task.base.stated_over(grid.varied());
-        let mut task = task.of_motion(given);
+        let mut task = task.with_motion_model(given);
         if task.solves() {
             task.settings.model = grid.choose(&task.base, task.settings.model)?;
         } else {
@@ -158,8 +158,8 @@ impl Task {
         let task = Self { filled, ..Self::new(base, settings, outputs) };
         let task = task.with_groove(columns.set())?;
         let estimated = task.base.stated_over(columns.set());
-        let given = task.base.stated().and(columns.set()).and(estimated);
-        let task = task.of_motion(given);
+        let given = task.base.stated().union(columns.set()).union(estimated);
+        let task = task.with_motion_model(given);
         let model = task.settings.model;
         let model = if task.solves() { model.resolve(given, |_| Ok(()))? } else { model };
         task.checked(given, model)

@@ -96,7 +96,7 @@ impl<R: Read + Send> Source for CsvSource<R> {
                 let is_row = is_text && !line.is_empty() || line.contains(&(*delimiter as u8));
                 !is_row && line.trim_ascii().is_empty()
             };
-            let Some(row) = lines.next_but(is_blank)? else { break };
+            let Some(row) = lines.next_line_where_blank(is_blank)? else { break };
             text_bytes += row.len();
             let found = split(row, *delimiter, line, |index, cell| match targets.get(index) {
                 Some(CellTarget::Input(input)) => chunk.input(*input, &parse(&cell, *decimal)),

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use bsm_batch::TableError;
-use bsm_case::{CaseError, InputSet, Known, OtherSeparator, brief, printable};
+use bsm_case::{CaseError, InputSet, NameKind, OtherSeparator, brief, printable};
 use bsm_report::ReportError;
 #[cfg(feature = "validate")]
 use bsm_validate::ValidateError;
@@ -118,15 +118,15 @@ impl Failure {
 pub(crate) fn of_input(error: &CaseError) -> String {
     fn help(error: &CaseError) -> &'static str {
         match error {
-            CaseError::Unknown { known, .. } => match known {
-                Known::Input => "`bsm schema input` lists all keys",
-                Known::List => "`bsm select --show lists` prints all keys",
-                Known::Column => "`bsm select --show columns` lists all columns",
-                Known::TableColumn => {
+            CaseError::Unknown { kind, .. } => match kind {
+                NameKind::Input => "`bsm schema input` lists all keys",
+                NameKind::List => "`bsm select --show lists` prints all keys",
+                NameKind::Column => "`bsm select --show columns` lists all columns",
+                NameKind::TableColumn => {
                     "map your column names with --names MAP.json, a file such as {\"your name\": \"lead_mm\", \"other name\": null}"
                 }
-                Known::Requirement => "`bsm select --show keys` lists all keys",
-                Known::Output => "`bsm schema output` lists all outputs",
+                NameKind::Requirement => "`bsm select --show keys` lists all keys",
+                NameKind::Output => "`bsm schema output` lists all outputs",
             },
             CaseError::Separator(other) => delimiter_help(*other),
             CaseError::NoRange { .. } => "give a range with --input NAME=LOW:HIGH",

@@ -6,7 +6,7 @@ use bsm_case::{
     Answer, Calibration, CalibrationReport, Case, CaseError, Fit, FittedInput, MeasurementError,
     NoFit, Settings,
 };
-use bsm_report::{Curve, Figure, PlotAxis, Stroke, number};
+use bsm_report::{Curve, Figure, PlotAxis, Stroke, format_number};
 
 use crate::answer::{Pictures, Reply};
 use crate::args::FitArgs;
@@ -87,12 +87,12 @@ fn to_table(
     let prepare = |case: &Case| Calibration::new(case, &inputs, measured, errors, &bytes, &format);
     let fit = prepare(case).map_err(usage)?;
     let report = fit.run(case, settings).map_err(usage)?.map_err(|none| {
-        let how = if none == NoFit::Lost { ", --input NAME=LOW:HIGH" } else { "" };
+        let how = if none == NoFit::NotConverged { ", --input NAME=LOW:HIGH" } else { "" };
         Failure::Check(format!("{none}{how}"))
     })?;
     let figure = figure(&fit, &report);
     let answer = fit.answer(case, &report);
-    Ok((Calibration::over_grooves(answer, case, settings, prepare), figure))
+    Ok((Calibration::with_groove_intervals(answer, case, settings, prepare), figure))
 }
 
 /// Plots fitted values against measured values, together with the line on which both are equal.
@@ -104,7 +104,7 @@ fn figure(fit: &Calibration, report: &CalibrationReport) -> Figure {
     let found: Vec<_> = fit
         .rows(report)
         .into_iter()
-        .map(|(name, value, _)| format!("{name} = {}", number(value)))
+        .map(|(name, value, _)| format!("{name} = {}", format_number(value)))
         .collect();
     let axis = |what: &str| PlotAxis::linear(&format!("{what} {}", fit.output()));
     Figure::new(

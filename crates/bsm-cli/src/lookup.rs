@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use bsm_batch::{AnswerSink, Answers, Chunk, Count, GridSource, TableError, Task, Workers};
-use bsm_case::{Grid, GridAxis, Output, exact};
+use bsm_case::{Grid, GridAxis, Output, format_exact};
 
 use crate::failure::{Failure, warn};
 use crate::files;
@@ -108,7 +108,8 @@ impl AnswerSink for Columns {
 
 /// Formats rows of numbers as lines of text.
 fn lines(rows: impl Iterator<Item = Vec<f64>>, between: &str) -> String {
-    let line = |row: Vec<f64>| row.into_iter().map(exact).collect::<Vec<_>>().join(between) + "\n";
+    let line =
+        |row: Vec<f64>| row.into_iter().map(format_exact).collect::<Vec<_>>().join(between) + "\n";
     rows.map(line).collect()
 }
 

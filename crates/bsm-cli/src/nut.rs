@@ -31,7 +31,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
         let samples = Samples::new(&problem, number, args.seed).map_err(in_file)?;
         let nuts: Vec<_> = (0..number).into_par_iter().map(|i| samples.solve(i)).collect();
         let answer = Samples::answer(&nuts, &case);
-        Samples::over_grooves(answer, &case, &settings, number, args.seed)
+        Samples::with_groove_intervals(answer, &case, &settings, number, args.seed)
     } else {
         let answer = match problem.solve() {
             Err(none) => NutProblem::unsolved(&case, &none),
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
                 report.answer()
             }
         };
-        NutReport::over_grooves(answer, &case, &settings)
+        NutReport::with_groove_intervals(answer, &case, &settings)
     };
     drop(line);
     let reply =

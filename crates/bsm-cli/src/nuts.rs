@@ -38,7 +38,7 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
     let first = list.chosen.first().map(|place| list.case(*place, requirement));
     let nut = first.and_then(|json| Case::from_json(json.to_string().as_bytes()).ok());
     let units = args.display(nut.as_ref());
-    if !list.why.is_empty() {
+    if !list.reasons.is_empty() {
         let none = Reply { case: Some(Value::Null), units, ..Reply::of(list.answer(0)) };
         return none.give(&to, || Ok(Pictures::default()));
     }

@@ -2,7 +2,7 @@
 
 use bsm_batch::{Answers, Chunk, ColumnUnits};
 use bsm_case::units::label;
-use bsm_case::{DisplayUnit, Grid, GridAxis, Output, exact, trimmed};
+use bsm_case::{DisplayUnit, Grid, GridAxis, Output, format_exact, format_trimmed};
 use bsm_report::{Curve, Figure, MAX_CELLS, MAX_CURVES, Map, PlotAxis, ReportError, Stroke};
 
 use crate::failure::Failure;
@@ -86,7 +86,8 @@ impl Curves {
             let (words, unit) = (label(input.name, input.unit), units.of_input(axis.key));
             let words = words.split(',').next().unwrap_or_default();
             let value = axis.value(i);
-            let value = if unit.is_own() { exact(value) } else { trimmed(unit.value(value)) };
+            let value =
+                if unit.is_own() { format_exact(value) } else { format_trimmed(unit.value(value)) };
             format!("{words} {value} {}", unit.text).trim_end().to_owned()
         };
         let lines = (0..count)

@@ -72,7 +72,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let mut settings = args.model.settings()?;
     // All requested sections describe the same motion, so they must use the same model.
     if shown.iter().any(|part| matches!(part, Show::Slip | Show::Ellipses | Show::Jam)) {
-        settings.model = settings.model.of_motion(case.stated());
+        settings.model = settings.model.for_motion(case.stated());
     }
     let line = waiting("solving");
     let mut figures = Vec::new();
@@ -92,7 +92,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
             Show::Ratings | Show::Steps => ratings(args, &case)?,
         };
         let possible = |possible: &Case| again(part, args, possible, &settings);
-        parts.push((name, answer.over_grooves(&case, DRAWS, possible)));
+        parts.push((name, answer.with_groove_intervals(&case, DRAWS, possible)));
     }
     drop(line);
     let of_ratings = parts.iter().filter(|_| has_rows).flat_map(|(_, ratings)| ratings.entries());
@@ -115,8 +115,8 @@ fn again(part: Show, args: &SolveArgs, case: &Case, settings: &Settings) -> Opti
     };
     match part {
         Show::Motion | Show::Band | Show::Sensitivities => {
-            let beside = Supplement { parts: true, ..Supplement::default() };
-            Some(Record::new(solution()?).answer(PROGRAM, case, settings, &beside))
+            let supplement = Supplement { parts: true, ..Supplement::default() };
+            Some(Record::new(solution()?).answer(PROGRAM, case, settings, &supplement))
         }
         Show::Slip => slip(case, settings, &solution()?).ok(),
         Show::Jam => jam(case, &solution()?).ok(),
@@ -163,14 +163,14 @@ fn point(
     case: &Case,
     settings: &Settings,
     solution: Solution,
-    beside: &Supplement,
+    supplement: &Supplement,
 ) -> Result<Answer, Failure> {
     let record = Record::new(solution);
     if record.status() == Status::InvalidInput {
         let text = record.message().unwrap_or("the model does not accept the inputs");
         return Err(Failure::in_case(args.case.path(), text));
     }
-    Ok(record.answer(PROGRAM, case, settings, beside))
+    Ok(record.answer(PROGRAM, case, settings, supplement))
 }
 
 /// Runs the slip or jamming analysis of the solved motion, and the sweeps for its figures.
@@ -182,7 +182,7 @@ fn analysis(
     report: impl Fn(&Case, &Settings, &Solution) -> Result<Answer, CaseError>,
     study: impl Fn(&Case, &Settings, &Solution) -> Result<Study, ReportError>,
 ) -> Result<Answer, Failure> {
-    of_motion(args, case, settings, |solution| {
+    motion_answer(args, case, settings, |solution| {
         let answer = report(case, settings, solution).map_err(args.case.failure())?;
         if let Some(figures) = figures {
             let units = case.display_units();
@@ -194,7 +194,7 @@ fn analysis(
 }
 
 /// Runs an analysis of the ball motion. If the motion has no solution, returns the reason.
-fn of_motion(
+fn motion_answer(
     args: &SolveArgs,
     case: &Case,
     settings: &Settings,
@@ -216,7 +216,7 @@ fn ellipses<'a>(
     settings: &Settings,
     table: &mut Option<WriteTable<'a>>,
 ) -> Result<Answer, Failure> {
-    of_motion(args, case, settings, |solution| {
+    motion_answer(args, case, settings, |solution| {
         let points = args.points.unwrap_or(EllipseFields::POINTS);
         let fields = EllipseFields::of(case, settings, solution, points);
         let fields = fields.map_err(args.case.failure())?;

@@ -136,7 +136,7 @@ fn note_unread(task: &Task, columns: InputSet) {
     let is_beyond_the_ball =
         |output: &&Output| matches!(output.analysis(), Some(Nut | Ratings | Axis | Warm));
     if !task.outputs.iter().chain(&task.watched).any(is_beyond_the_ball) {
-        note_unused(task.base.given().and(columns));
+        note_unused(task.base.given().union(columns));
     }
 }
 

@@ -14,7 +14,7 @@ use bsm_batch::{
     RunError, Source, TableError, TableFormat, TableSink, Task, Workers,
 };
 use bsm_case::{
-    ColumnValues, DisplayUnits, Grid, GridAxis, ModelChoice, Output, ShownColumn, exact,
+    ColumnValues, DisplayUnits, Grid, GridAxis, ModelChoice, Output, ShownColumn, format_exact,
 };
 use bsm_dyn::Status;
 use bsm_report::PROGRAM;
@@ -284,7 +284,7 @@ impl<'a> Changes<'a> {
                 let [model, other] = [model, verdict.model].map(ModelChoice::name);
                 let place = row % self.axis.len() as u64;
                 if self.found.insert((place, [model, other])) && self.first.len() < Self::NAMED {
-                    let [from, to] = [from, *value].map(exact);
+                    let [from, to] = [from, *value].map(format_exact);
                     self.first.push(format!("{from} and {to} ({model}, {other})"));
                 }
             }
@@ -494,7 +494,7 @@ pub(crate) fn write_rows(
         }
         Form::Table(_) => {
             let line = |(name, unit, value): &(String, &str, f64)| {
-                format!("{name},{unit},{}\n", exact(*value))
+                format!("{name},{unit},{}\n", format_exact(*value))
             };
             let lines: String = rows.iter().map(line).collect();
             files::write(path, &format!("name,unit,value\n{lines}"))

@@ -1,7 +1,7 @@
 //! `bsm validate`: compares the program with published results.
 
 use bsm_case::Content;
-use bsm_report::number;
+use bsm_report::format_number;
 use bsm_validate::{PublishedData, Report, Verdict};
 
 use crate::answer::{Pictures, Reply};
@@ -56,8 +56,8 @@ fn describe(report: &Report) -> String {
             vec![
                 verdict.to_owned(),
                 check.key.clone(),
-                check.claimed.map_or_else(String::new, number),
-                number(check.measured),
+                check.claimed.map_or_else(String::new, format_number),
+                format_number(check.measured),
                 check.unit.clone(),
                 check.note.clone(),
             ]

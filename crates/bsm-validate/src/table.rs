@@ -71,7 +71,7 @@ struct Row {
 }
 
 /// Values of the variables in an expression, by name. The outputs of a model are in a nested map.
-type Known = BTreeMap<String, Value>;
+type Variables = BTreeMap<String, Value>;
 
 /// Evaluates all rows of the table, and returns one check per row.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
@@ -193,8 +193,8 @@ fn points(case: &Case, settings: &str) -> Result<Vec<Case>, CaseError> {
 }
 
 /// Returns the values of the named inputs and outputs at a point. Missing values are NaN.
-fn known(case: &Case, names: &BTreeSet<String>) -> Result<Known, ValidateError> {
-    let mut known = Known::new();
+fn known(case: &Case, names: &BTreeSet<String>) -> Result<Variables, ValidateError> {
+    let mut known = Variables::new();
     let mut of_models = BTreeMap::<_, BTreeMap<&str, f64>>::new();
     for name in names {
         if let Some((model, column)) = name.split_once('.') {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use bsm_report::sheets::{Course, Study};
-use bsm_report::{number, short};
+use bsm_report::{format_number, format_short};
 use serde::Deserialize;
 
 use crate::published::File;
@@ -121,17 +121,21 @@ impl Trend {
     fn describe(&self, setting: &str) -> String {
         let Self { curve, first, last, .. } = self;
         let holds = if self.holds { "holds" } else { "does not hold" };
-        let (from, to) = (short(first.0), short(last.0));
+        let (from, to) = (format_short(first.0), format_short(last.0));
         let does = match self.shape {
             Shape::Rises => format!("rises from {from} to {to}"),
             Shape::Falls => format!("falls from {from} to {to}"),
             Shape::Constant => format!("is constant from {from} to {to}"),
             Shape::Turns(at) => {
                 let way = if last.1 > first.1 { "higher" } else { "lower" };
-                format!("has an extremum at {} and ends {way} than it begins", short(at))
+                format!("has an extremum at {} and ends {way} than it begins", format_short(at))
             }
         };
-        format!("{curve}{setting}: {holds}, {} to {}, {does}", number(first.1), number(last.1))
+        format!(
+            "{curve}{setting}: {holds}, {} to {}, {does}",
+            format_number(first.1),
+            format_number(last.1)
+        )
     }
 }
 

@@ -7,11 +7,12 @@ use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
     Answer, AxisReport, Case, CaseError, Columns, EllipseFields, FEW_DRAWS, Grid, GridAxis,
     GrooveSection, ModelChoice, MotionAnswer, Numbers, NutProblem, NutReport, Output, Quantity,
-    Record, Row, Scope, Settings, Supplement, WarmBranch, comparison, interval, over_grooves,
+    Record, Row, Scope, Settings, Supplement, WarmBranch, comparison, format_interval,
+    with_groove_intervals,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status, model::RacewayFriction};
 use bsm_report::sheets::{size_figures, size_page, size_results};
-use bsm_report::{PROGRAM, number};
+use bsm_report::{PROGRAM, format_number};
 use serde_json::{Map, Value, json};
 use thiserror::Error;
 
@@ -137,12 +138,12 @@ fn solved(Request { case, settings, rest }: &Request, parts: bool) -> Result<Val
         return Err(Refusal::Input(text.to_owned()));
     }
     let band = rest.get("band") == Some(&Value::Bool(true));
-    let beside = Supplement { band, parts, sensitivities: None };
-    let answer = record.answer(PROGRAM, case, settings, &beside);
-    let answer = answer.over_grooves(case, FEW_DRAWS, |possible| {
+    let supplement = Supplement { band, parts, sensitivities: None };
+    let answer = record.answer(PROGRAM, case, settings, &supplement);
+    let answer = answer.with_groove_intervals(case, FEW_DRAWS, |possible| {
         let solution = possible.problem(settings).ok()?.solve(&mut ModelWorkspace::default());
-        let beside = Supplement { parts, ..Supplement::default() };
-        Some(Record::new(solution).answer(PROGRAM, possible, settings, &beside))
+        let supplement = Supplement { parts, ..Supplement::default() };
+        Some(Record::new(solution).answer(PROGRAM, possible, settings, &supplement))
     });
     let Value::Object(mut report) = answer.to_json() else {
         return Err(Refusal::Input("the point has no result".to_owned()));
@@ -156,11 +157,13 @@ fn solved(Request { case, settings, rest }: &Request, parts: bool) -> Result<Val
         Some(json!([
             row.quantity.about,
             row.unit,
-            number(row.values[0]?) + &interval(row.bands[0])
+            format_number(row.values[0]?) + &format_interval(row.bands[0])
         ]))
     };
     let contact = |row: &Row| {
-        let cell = |place: usize| Some(number(row.values[place]?) + &interval(row.bands[place]));
+        let cell = |place: usize| {
+            Some(format_number(row.values[place]?) + &format_interval(row.bands[place]))
+        };
         let cells = [0, 1, 2].map(cell);
         json!([row.quantity.about, row.unit, cells])
     };
@@ -212,7 +215,7 @@ fn slip(request: &Request) -> Result<Value, Refusal> {
         let MotionAnswer { settings, solution } = moving(case, &request.settings)?;
         bsm_case::slip(case, &settings, &solution)
     };
-    Ok(over_grooves(&request.case, FEW_DRAWS, answer)?.to_json())
+    Ok(with_groove_intervals(&request.case, FEW_DRAWS, answer)?.to_json())
 }
 
 /// Returns the pressure, slip and friction over the contact ellipses.
@@ -231,7 +234,7 @@ fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
         Ok(report) => report,
         Err(none) => return Ok(NutProblem::unsolved(case, &none).to_json()),
     };
-    let sections = NutReport::over_grooves(report.answer(), case, &settings);
+    let sections = NutReport::with_groove_intervals(report.answer(), case, &settings);
     let mut answer = sections.to_json();
     answer["balls"] = columns(&report.balls());
     answer["curve"] = columns(&report.curve());
@@ -273,7 +276,12 @@ fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
 fn shown(answer: &Answer) -> Value {
     let row = |row: &Row| {
         let Quantity { title, about, .. } = row.quantity;
-        Some(json!([title, about, row.unit, number(row.values[0]?) + &interval(row.bands[0])]))
+        Some(json!([
+            title,
+            about,
+            row.unit,
+            format_number(row.values[0]?) + &format_interval(row.bands[0])
+        ]))
     };
     answer.numbers().flat_map(Numbers::rows).filter_map(row).collect()
 }

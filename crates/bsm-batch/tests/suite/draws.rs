@@ -11,7 +11,7 @@ fn random_points(of: &[&str]) -> Draws {
 
 fn input_values(draws: &Draws, place: usize, rows: Range<u64>) -> Vec<f64> {
     let mut values = Vec::new();
-    draws.fill(place, rows, &mut values);
+    draws.append_values(place, rows, &mut values);
     values
 }
 

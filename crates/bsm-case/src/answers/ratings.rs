@@ -12,11 +12,11 @@ use crate::answers::section::beyond_the_flanks;
 use crate::case::axis::speed_number_limit;
 use crate::case::rated_nut::{assumed_preload, body, load_ratings, nut, thread};
 use crate::vocabulary::members::{Data, NumbersOf, answer, number_tables};
-use crate::vocabulary::number::trimmed;
+use crate::vocabulary::number::format_trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::Warning;
-use crate::{Answer, Case, CaseError, Catalog, INPUTS, Numbers, exact};
+use crate::{Answer, Case, CaseError, Catalog, INPUTS, Numbers, format_exact};
 
 /// Title of the table with the intermediate results between the inputs and the ratings.
 pub(crate) const STEPS: &str = "steps";
@@ -190,7 +190,7 @@ impl<'a> NutRatings<'a> {
     fn answer(&self) -> Result<Answer, CaseError> {
         let all = self.numbers()?;
         let part =
-            |is_step: bool| all.clone().part(|quantity| (quantity.title == STEPS) == is_step);
+            |is_step: bool| all.clone().filter(|quantity| (quantity.title == STEPS) == is_step);
         Ok(Answer::default().with_members(RatingMembers {
             numbers: NumbersOf::new(part(false), "nut"),
             as_used: NumbersOf::new(as_used(self, |_| true), "nut"),
@@ -273,7 +273,7 @@ impl<'a> NutRatings<'a> {
         if heaviest > dynamic.rating {
             texts.push(format!(
                 "The force of {} N exceeds the dynamic load rating of {:.0} N.",
-                exact(heaviest.round()),
+                format_exact(heaviest.round()),
                 dynamic.rating
             ));
         }
@@ -284,7 +284,7 @@ impl<'a> NutRatings<'a> {
                 "The speed number is {:.0} mm/min at {} rpm. Above the limit of {limit:.0} mm/min, \
                  the ball return may be damaged.",
                 rpm * pitch_mm,
-                trimmed(rpm)
+                format_trimmed(rpm)
             ));
         }
         Ok(texts.into_iter().map(Warning::advice).chain(proportions).collect())

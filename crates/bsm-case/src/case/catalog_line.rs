@@ -10,7 +10,7 @@ use crate::case::nut::balls_and_turns;
 use crate::case::rated_nut;
 use crate::vocabulary::entries::InputName;
 use crate::vocabulary::input_set::inputs;
-use crate::vocabulary::number::{decimal, digits, trimmed};
+use crate::vocabulary::number::{decimal, format_digits, format_trimmed};
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
@@ -32,7 +32,7 @@ const READ: InputSet = {
     let others = inputs! {
         lead_mm lead_angle_deg rated_static_load_N shaft_diameter_mm circuits_count gap_deg starts
     };
-    NEEDED.and(GROOVE).and(others)
+    NEEDED.union(GROOVE).union(others)
 };
 
 impl InputSet {
@@ -40,11 +40,11 @@ impl InputSet {
     /// the inputs of the groove that the program estimates from them.
     #[must_use]
     pub fn with_groove(self) -> Self {
-        let has_lead = self.meets(inputs! { lead_mm lead_angle_deg });
+        let has_lead = self.intersects(inputs! { lead_mm lead_angle_deg });
         if self.contains_all(NEEDED) && has_lead && self.lacks_groove() {
             let bottoms = self.contains(InputKey::groove_bottom_distance_mm);
             let angle = inputs! { contact_angle_deg };
-            self.and(if bottoms { GROOVE.without(angle) } else { GROOVE })
+            self.union(if bottoms { GROOVE.without(angle) } else { GROOVE })
         } else {
             self
         }
@@ -52,7 +52,7 @@ impl InputSet {
 
     /// Returns true if the estimate of a groove depends on at least one input of this set.
     pub fn changes_groove(self) -> bool {
-        self.meets(READ)
+        self.intersects(READ)
     }
 }
 
@@ -62,7 +62,7 @@ impl Case {
     pub fn stated_over(&self, columns: InputSet) -> InputSet {
         let given = self.stated().overridden_by(columns);
         // If circuits are given, they determine the numbers of turns and balls.
-        let lacks_groove = given.and(rated_nut::given(self)).lacks_groove();
+        let lacks_groove = given.union(rated_nut::given(self)).lacks_groove();
         let estimates = lacks_groove && self.entries.estimate_groove != Some(false);
         if estimates { given.with_groove() } else { given }
     }
@@ -203,7 +203,11 @@ impl Case {
         let stated: Vec<_> = self.given().iter().filter(|key| READ.contains(*key)).collect();
         let stated = stated.iter().filter_map(|key| {
             let unit = key.input().unit;
-            Some(format!("{} = {} {unit}", key.name(), trimmed(self[*key]?)).trim().to_owned())
+            Some(
+                format!("{} = {} {unit}", key.name(), format_trimmed(self[*key]?))
+                    .trim()
+                    .to_owned(),
+            )
         });
         let stated = stated.collect::<Vec<_>>().join(", ");
         let nearest = match nearest {
@@ -215,8 +219,8 @@ impl Case {
                 format!(
                     "the nearest groove has {} balls of {} mm in {} turns and ratings of {:.0} N and {:.0} N",
                     groove.loaded_balls,
-                    trimmed(groove.ball_diameter / MM),
-                    digits(groove.turns, 3),
+                    format_trimmed(groove.ball_diameter / MM),
+                    format_digits(groove.turns, 3),
                     nut.dynamic_rating().rating,
                     nut.static_rating().rating
                 )

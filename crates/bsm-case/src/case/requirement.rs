@@ -17,7 +17,7 @@ use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::names::{GivenNames, json_or_text, wrong_type};
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM, UM, convert};
-use crate::{Case, CaseError, InputKey, InputSet, Known, Settings, entries, nearest};
+use crate::{Case, CaseError, InputKey, InputSet, NameKind, Settings, entries, nearest};
 
 keys! {
     /// Numeric keys that occur only in requirements.
@@ -175,8 +175,8 @@ impl RequirementFile {
         }
         let mut set = RequirementKeys::default();
         for setting in settings {
-            let bad = || CaseError::bad_setting(setting, "name=value");
-            let (key, text) = setting.split_once('=').ok_or_else(bad)?;
+            let malformed = || CaseError::bad_setting(setting, "name=value");
+            let (key, text) = setting.split_once('=').ok_or_else(malformed)?;
             let (key, text) = (key.trim(), text.trim());
             set.assign(key, &json_or_text(text)?)?;
         }
@@ -231,7 +231,7 @@ impl RequirementKeys {
             let names = names().chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
             let names = names.chain(REQUIREMENT_CHOICES.iter().map(|(name, ..)| *name));
             let names = names.chain(ENTRIES_FROM_CASES);
-            return Err(CaseError::unknown(Known::Requirement, key, nearest(key, names)));
+            return Err(CaseError::unknown(NameKind::Requirement, key, nearest(key, names)));
         }
         self.case.assign_json(key, value)
     }

@@ -6,7 +6,7 @@ use std::fmt;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
 
-use super::error::{Known, brief};
+use super::error::{NameKind, brief};
 use super::units::{is_unit, long_name};
 use crate::{CaseEntries, CaseError, INPUTS, Output};
 
@@ -164,7 +164,7 @@ pub(crate) fn unknown_key(key: &str) -> CaseError {
         );
         return CaseError::Entry { key: key.to_owned(), what };
     }
-    CaseError::unknown(Known::Input, key, nearest_input(key))
+    CaseError::unknown(NameKind::Input, key, nearest_input(key))
 }
 
 /// Returns the input whose name is most similar to `key`, if a name is similar enough.

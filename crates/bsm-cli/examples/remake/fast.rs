@@ -6,8 +6,8 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use bsm_case::digits;
-use bsm_report::short;
+use bsm_case::format_digits;
+use bsm_report::format_short;
 use bsm_validate::tradeoff::{self, Distribution, Errors, Group, Points, Setting};
 use serde_json::{Value, json};
 
@@ -251,7 +251,7 @@ const CATALOG_LINE: &str = "axis examples/catalog_line.json --json";
 
 /// Formats a result of the axis analysis and its 90 % interval.
 fn with_interval(axis: &Value, name: &str, unit: &str) -> Result<[String; 2], Box<dyn Error>> {
-    let three = |value: f64| digits(value, 3);
+    let three = |value: f64| format_digits(value, 3);
     let value = three(number(&axis["results"], name)?);
     let interval = &axis["groove_estimate"]["intervals"][name];
     let end = |place: usize| interval[place].as_f64().map(three);
@@ -466,5 +466,5 @@ fn errors_row((setting, errors): &(Setting, Vec<Errors>)) -> String {
 
 /// Formats an error. If the error is below the residual of the solver, an upper limit is shown.
 fn format_error(error: f64) -> String {
-    if error < 1e-9 { "< 1e-9".to_owned() } else { short(error) }
+    if error < 1e-9 { "< 1e-9".to_owned() } else { format_short(error) }
 }

@@ -10,7 +10,7 @@ use bsm_dyn::{
 };
 use bsm_kin::Site;
 
-use crate::{Curve, Figure, PlotAxis, ReportError, Stroke, short};
+use crate::{Curve, Figure, PlotAxis, ReportError, Stroke, format_short};
 
 const LEAD: (&str, &str) = ("lead_angle_deg", "lead angle, deg");
 const CONTACT: (&str, &str) = ("contact_angle_deg", "contact angle, deg");
@@ -314,7 +314,7 @@ fn optimum_angle(case: &Case, own: f64) -> Result<Figure, ReportError> {
                 (*lead, best.map_or(f64::NAN, |best| best.contact_angle.to_degrees()))
             };
             let points = degrees(0..=50).iter().map(best).collect();
-            let label = format!("f {}, {words}", short(friction));
+            let label = format!("f {}, {words}", format_short(friction));
             curves.push(Curve::new(label, color, stroke, points));
         }
     }
@@ -333,7 +333,7 @@ fn optimum_angle(case: &Case, own: f64) -> Result<Figure, ReportError> {
             &format!(
                 "Fig 6 of Lin et al. (1994), drawn for f = {}. The lines are the closed form, and the marks are the maxima of the exact \
              efficiency. Curves end where no contact angle reaches the optimum.",
-                short(own)
+                format_short(own)
             ),
         ],
         [PlotAxis::linear(LEAD.1), PlotAxis::linear("optimum contact angle, deg")],
@@ -376,7 +376,7 @@ fn self_locking(own: f64) -> Figure {
                 (lead, limit.map_or(f64::NAN, f64::to_degrees))
             };
             curves.push(Curve::new(
-                format!("f {}, {words}", short(friction)),
+                format!("f {}, {words}", format_short(friction)),
                 color,
                 stroke,
                 (0..=340).map(|quarter| limit(0.25 * f64::from(quarter))).collect(),
@@ -390,7 +390,7 @@ fn self_locking(own: f64) -> Figure {
             &format!(
                 "Fig 7 of Lin et al. (1994), drawn for f = {}. Below a solid line, the screw cannot be turned against the \
              load (a); above a dashed line, the load cannot turn the screw (b).",
-                short(own)
+                format_short(own)
             ),
         ],
         [PlotAxis::linear(LEAD.1), PlotAxis::linear("contact angle, deg")],

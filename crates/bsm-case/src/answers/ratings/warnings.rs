@@ -2,7 +2,7 @@
 
 use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, OPENS_AT, PRELOAD, Thread};
 
-use crate::exact;
+use crate::format_exact;
 use crate::vocabulary::units::{MM, UM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 
@@ -87,7 +87,7 @@ pub(super) fn of_pair(
             "The load of {} N is more than {LIMIT_LOAD} times the preload. Above {:.0} N (with equal ball loads), one nut is unloaded, \
              the stiffness of the pair is not valid, and the displacement is the displacement of the other nut alone, \
              {:.3} um.",
-            exact(load.round()),
+            format_exact(load.round()),
             OPENS_AT * preload,
             alone / UM
         ));
