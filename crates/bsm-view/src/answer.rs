@@ -37,7 +37,7 @@ pub enum Refusal {
     Slow(u64),
     /// The same page has sent a newer request.
     #[error("replaced by a newer request")]
-    Overtaken,
+    Superseded,
     /// Too many stopped calculations are still running.
     #[error("too many stopped calculations are still running; wait, or start bsm view again")]
     Busy,
@@ -327,7 +327,7 @@ fn sweep(
     };
     workers.install(|| task.solve_into((&chunk, &named), room, stop, &AtomicU64::new(0)));
     if stop.load(Ordering::Relaxed) {
-        return Err(Refusal::Overtaken);
+        return Err(Refusal::Superseded);
     }
     let axis = |axis: &GridAxis| {
         let values: Vec<_> = (0..axis.len()).map(|place| axis.value(place)).collect();
