@@ -6,11 +6,11 @@ mod error;
 mod figure;
 #[cfg(feature = "plot")]
 mod map;
+#[cfg(not(feature = "plot"))]
+mod no_plot;
 mod page;
 mod plots;
 pub mod sheets;
-#[cfg(not(feature = "plot"))]
-mod undrawn;
 
 pub use bsm_case::{format_number, format_short};
 pub use dxf::groove_dxf;

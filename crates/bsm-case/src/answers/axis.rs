@@ -67,7 +67,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed: mean speed over the cycle, including standstill";
         cycle_time_s ["s"] Scalar(|w| w.cycle_time()), "cycle time";
         revolutions_per_cycle [""] Scalar(|w| w.revolutions_per_cycle()), "revolutions of the screw per cycle, in both directions";
-        travel_per_cycle_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.way / MM)), "travel per cycle, in both directions";
+        travel_per_cycle_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.distance / MM)), "travel per cycle, in both directions";
         cycle_range_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.range / MM)), "distance between the two extreme positions of the cycle";
         cycle_return_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.end / MM)), "distance between the start position and the end position of the cycle; 0 if the cycle returns to its start";
         speed_jumps_count [""] Scalar(|w| w.speed_jumps().map(|count| u32::try_from(count).map_or(f64::INFINITY, f64::from))), "number of speed jumps in the cycle";
@@ -92,7 +92,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         pretension_N = INPUTS Scalar(|w| Some(w.pretension()?.tension(0.0)));
         pretension_K = INPUTS Scalar(|w| Some(w.pretension()?.stretched));
         stretch_um ["um"] Scalar(|w| {
-            Some(w.pretension()?.tension(0.0) / w.shaft()?.held(f64::INFINITY) / UM)
+            Some(w.pretension()?.tension(0.0) / w.shaft()?.constraint_stiffness(f64::INFINITY) / UM)
         }), "elongation of the screw due to pretension";
         travel_compensation_um ["um" "c"] Scalar(|w| Some(w.travel_compensation()? * MM / UM)), "travel compensation over the stroke for a screw with pretension; a negative value means a shorter travel";
         screw_tension_N = INPUTS Scalar(|w| w.tension());

@@ -302,10 +302,10 @@ impl Calibration {
             let (output, largest) = (self.output.name, values.fold(0.0, f64::max));
             return Ok(Err(NoFit::NotFinite { output, largest }));
         }
-        let is_held = |place: &usize| found.held[*place];
+        let is_held = |place: &usize| found.at_bound[*place];
         let at_limit = (0..self.inputs.len()).filter(is_held);
-        let at_limit =
-            at_limit.map(|place| self.input_at_limit(place, &found.at, settings, &mut work));
+        let at_limit = at_limit
+            .map(|place| self.input_at_limit(place, &found.parameters, settings, &mut work));
         let at_limit = at_limit.collect::<Result<_, _>>()?;
         Ok(Ok(CalibrationReport { found, scatter, weighted_scatter, at_limit }))
     }
@@ -372,7 +372,7 @@ impl Calibration {
     /// Returns a row for each input: its name, value and standard deviation.
     pub fn rows(&self, report: &CalibrationReport) -> Vec<(&'static str, f64, Option<f64>)> {
         let deviation = |i: usize| report.found.deviations.as_ref().map(|all| all[i]);
-        let rows = self.inputs.iter().zip(&report.found.at).enumerate();
+        let rows = self.inputs.iter().zip(&report.found.parameters).enumerate();
         rows.map(|(i, ((key, _), value))| (key.name(), *value, deviation(i))).collect()
     }
 

@@ -246,7 +246,7 @@ impl AxisModel {
         let drive = drive_train(case, size.lead, of_driven, &carriage)?;
         let cycle = motion.time.zip(motion.travel(size.lead));
         let is_finite =
-            |(time, travel): (f64, CycleTravel)| time.is_finite() && travel.way.is_finite();
+            |(time, travel): (f64, CycleTravel)| time.is_finite() && travel.distance.is_finite();
         if !cycle.is_none_or(is_finite) {
             return Err(invalid_input(
                 "cycle",

@@ -2,7 +2,8 @@
 //! estimated before a problem is built, so every command can use such a case.
 
 use bsm_design::{
-    CatalogLine, EstimatedGroove, GrooveEstimate, Reading, RefusedLine, beside_groove, turn_length,
+    CatalogLine, CatalogMistake, EstimatedGroove, GrooveEstimate, RejectedRow,
+    quasi_random_besides_groove, turn_length,
 };
 
 use crate::case::axis::rated_dynamic_load;
@@ -120,7 +121,7 @@ impl Case {
         }
         match line.estimate() {
             Ok(estimate) => Ok(Some(estimate)),
-            Err(RefusedLine { nearest: Some(nearest), .. })
+            Err(RejectedRow { nearest: Some(nearest), .. })
                 if self.entries.keep_ratings == Some(true) =>
             {
                 Ok(Some(*nearest))
@@ -190,7 +191,7 @@ impl Case {
         let mut case = self.with(groove);
         if !case.given().has_friction() {
             let ([low, high], driven_less) = USUAL_EFFICIENCIES;
-            let efficiency = low + (high - low) * beside_groove(draw);
+            let efficiency = low + (high - low) * quasi_random_besides_groove(draw);
             case.catalog_efficiency.get_or_insert(efficiency);
             case.catalog_back_efficiency.get_or_insert(efficiency - driven_less);
         }
@@ -199,7 +200,7 @@ impl Case {
 
     /// Returns a message that explains why no groove can be estimated. The message states the given
     /// values, the nearest groove with its ratings, and possible mistakes in the data.
-    fn refusal(&self, RefusedLine { nearest, readings }: &RefusedLine) -> String {
+    fn refusal(&self, RejectedRow { nearest, mistakes }: &RejectedRow) -> String {
         let stated: Vec<_> = self.given().iter().filter(|key| READ.contains(*key)).collect();
         let stated = stated.iter().filter_map(|key| {
             let unit = key.input().unit;
@@ -226,28 +227,30 @@ impl Case {
                 )
             }
         };
-        let readings: Vec<_> = readings.iter().map(|(reading, _)| words(*reading)).collect();
-        let readings = if readings.is_empty() {
+        let mistakes: Vec<_> = mistakes.iter().map(|(mistake, _)| words(*mistake)).collect();
+        let mistakes = if mistakes.is_empty() {
             String::new()
         } else {
-            format!(" A typical groove would match the ratings if {}.", readings.join(", or "))
+            format!(" A typical groove would match the ratings if {}.", mistakes.join(", or "))
         };
         format!(
-            "No typical groove has these ratings and dimensions: {stated}; {nearest}.{readings} Correct the values, give the groove in full, or set \
+            "No typical groove has these ratings and dimensions: {stated}; {nearest}.{mistakes} Correct the values, give the groove in full, or set \
              keep_ratings=true to use the nearest groove."
         )
     }
 }
 
 /// Describes a possible mistake in the catalog data.
-fn words(reading: Reading) -> &'static str {
-    match reading {
-        Reading::RatingsInKilogramForce => "the ratings were in kgf",
-        Reading::RatingsInPoundForce => "the ratings were in lbf",
-        Reading::RatingsSwapped => "the two ratings were swapped",
-        Reading::StaticRatingTimesTen => "rated_static_load_N were 10 times as large",
-        Reading::StaticRatingOverTen => "rated_static_load_N were a tenth of the given value",
-        Reading::LeadTimesTen => "lead_mm were 10 times as large",
-        Reading::LeadOverTen => "lead_mm were a tenth of the given value",
+fn words(mistake: CatalogMistake) -> &'static str {
+    match mistake {
+        CatalogMistake::RatingsInKilogramForce => "the ratings were in kgf",
+        CatalogMistake::RatingsInPoundForce => "the ratings were in lbf",
+        CatalogMistake::RatingsSwapped => "the two ratings were swapped",
+        CatalogMistake::StaticRatingTimesTen => "rated_static_load_N were 10 times as large",
+        CatalogMistake::StaticRatingOverTen => {
+            "rated_static_load_N were a tenth of the given value"
+        }
+        CatalogMistake::LeadTimesTen => "lead_mm were 10 times as large",
+        CatalogMistake::LeadOverTen => "lead_mm were a tenth of the given value",
     }
 }

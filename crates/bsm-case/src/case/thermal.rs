@@ -77,7 +77,7 @@ pub(crate) fn thermal_axis(
         coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
     });
     let hold = machine.held.map(|held| AxialHold {
-        stiffness: held.shaft.held(held.bearing),
+        stiffness: held.shaft.constraint_stiffness(held.bearing),
         pretension: held.tension(0.0),
         youngs_modulus: shaft.youngs_modulus,
         poisson_ratio: case.number(InputKey::poisson_ratio),

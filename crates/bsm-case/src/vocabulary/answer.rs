@@ -223,11 +223,11 @@ impl Criterion {
 }
 
 /// Returns limits as text, or `None` if there are none.
-pub(crate) fn limits_in_words(Bounds { least, most }: Bounds) -> Option<String> {
-    let least = least.map(|least| format!(">= {}", format_trimmed(least)));
-    let most = most.map(|most| format!("<= {}", format_trimmed(most)));
-    match (least, most) {
-        (Some(least), Some(most)) => Some(format!("{least} and {most}")),
+pub(crate) fn limits_in_words(Bounds { min, max }: Bounds) -> Option<String> {
+    let min = min.map(|min| format!(">= {}", format_trimmed(min)));
+    let max = max.map(|max| format!("<= {}", format_trimmed(max)));
+    match (min, max) {
+        (Some(min), Some(max)) => Some(format!("{min} and {max}")),
         (one, other) => one.or(other),
     }
 }

@@ -1,7 +1,7 @@
 //! Motor of an axis, and motion of the load after a loss of motor power.
 
 use bsm_design::{
-    BackDriving, DriveTrain, Fall, PhasePoint, least_acceleration_time, speed_jumps,
+    BackDrivenScrew, BackDriving, DriveTrain, PhasePoint, least_acceleration_time, speed_jumps,
     stopping_distance,
 };
 use bsm_dyn::ModelWorkspace;
@@ -106,14 +106,14 @@ impl AxisState<'_> {
 
     /// Returns the data needed to calculate how the load at standstill drives the screw after a
     /// loss of motor power.
-    pub(super) fn falling(&self) -> Fall {
-        self.machine.drive.falling(self.machine.rest_load.abs())
+    pub(super) fn back_driven_screw(&self) -> BackDrivenScrew {
+        self.machine.drive.back_driven_screw(self.machine.rest_load.abs())
     }
 
     /// Returns the holding torque of the motor without friction \[N·m\].
     pub(super) fn holding_torque(&self) -> f64 {
         let DriveTrain { screws, gear_ratio, .. } = self.machine.drive;
-        screws * self.falling().torque / gear_ratio
+        screws * self.back_driven_screw().torque / gear_ratio
     }
 
     /// Returns the required brake torque at the motor \[N·m\]. The calculation neglects friction.
@@ -136,10 +136,10 @@ impl AxisState<'_> {
         }
         let DriveTrain { screws, gear_ratio, .. } = self.machine.drive;
         let brake = self.case.brake_torque_Nm? * gear_ratio / screws;
-        let falling = self.falling();
+        let back_driven_screw = self.back_driven_screw();
         Some(Stop {
-            deceleration: falling.braking(brake)?,
-            distance: falling.stopping_distance(brake, delay, feed)?,
+            deceleration: back_driven_screw.braking(brake)?,
+            distance: back_driven_screw.stopping_distance(brake, delay, feed)?,
         })
     }
 
@@ -159,7 +159,7 @@ impl AxisState<'_> {
     /// over the stroke \[rpm\], or `None` if friction holds the load.
     pub(super) fn fall(&self) -> Option<(f64, f64)> {
         let driving = self.power_loss()?.nominal;
-        let acceleration = self.falling().acceleration(driving);
+        let acceleration = self.back_driven_screw().acceleration(driving);
         let feed = (2.0 * acceleration * self.machine.stroke?).sqrt();
         (driving > 0.0).then(|| (acceleration, feed / self.machine.advance() / RPM))
     }

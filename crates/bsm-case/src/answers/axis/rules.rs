@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use bsm_design::{Axis, EndFixity, OPENS_AT, RatingBasis, RequiredLife, Shaft};
+use bsm_design::{Axis, EndFixity, RatingBasis, RequiredLife, Shaft, UNLOADING_RATIO};
 
 use super::drive::MotorPeak;
 use super::{Preload, QUANTITIES, SCREW};
@@ -467,10 +467,10 @@ rules! {
             "a dynamic load rating of at least {} N, or preload_N of at most {}, with which one nut unloads above {:.0} N",
             at_least(of.preload.map_or(f64::NAN, |p| p.warm) / preload_method(of.case).share(), 0),
             at_most(of.preload_to_set(), 0),
-            OPENS_AT * of.most_preload()
+            UNLOADING_RATIO * of.most_preload()
         );
     "remaining preload" largest_load_N = of.preload.map(|_| of.axis.largest_load()),
-        at_most of.preload.map(|preload| of.number(output!(limit_load_N)).unwrap_or(OPENS_AT * preload.warm)),
+        at_most of.preload.map(|preload| of.number(output!(limit_load_N)).unwrap_or(UNLOADING_RATIO * preload.warm)),
         "limit load, about 2.83 times the preload (D14), (U20)",
         format!("preload_N of at least {}", at_least(of.preload.map_or(f64::NAN, |p| p.cold) / margin, 0));
 }

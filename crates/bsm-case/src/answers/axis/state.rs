@@ -342,7 +342,7 @@ impl<'a> AxisState<'a> {
 
     /// Returns the number of revolutions per cycle, added up over both directions.
     pub(super) fn revolutions_per_cycle(&self) -> Option<f64> {
-        Some(self.machine.cycle?.1.way / self.axis().screw.lead)
+        Some(self.machine.cycle?.1.distance / self.axis().screw.lead)
     }
 
     /// Returns the required life in revolutions.

@@ -1,6 +1,6 @@
 //! Warnings about nuts with unfavorable proportions or outside the limits of the catalog formulas.
 
-use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, OPENS_AT, PRELOAD, Thread};
+use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, PRELOAD, Thread, UNLOADING_RATIO};
 
 use crate::format_exact;
 use crate::vocabulary::units::{MM, UM};
@@ -88,7 +88,7 @@ pub(super) fn of_pair(
              the stiffness of the pair is not valid, and the displacement is the displacement of the other nut alone, \
              {:.3} um.",
             format_exact(load.round()),
-            OPENS_AT * preload,
+            UNLOADING_RATIO * preload,
             alone / UM
         ));
     }
