@@ -101,7 +101,7 @@ fn slope(points: &[(f64, f64)], within: impl Fn(f64) -> bool) -> f64 {
 }
 
 /// Returns the difference between the largest and the smallest y of a curve.
-fn spread(points: &[(f64, f64)]) -> f64 {
+fn range(points: &[(f64, f64)]) -> f64 {
     let values = || points.iter().map(|(_, y)| *y).filter(|y| y.is_finite());
     values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
 }
@@ -164,7 +164,7 @@ impl Row {
         if self.claim == Claim::Spreads {
             label = format!("change of {label}");
             let middle = above.points[above.points.len() / 2].0;
-            points.push((middle, spread(&above.points) / spread(&below.points)));
+            points.push((middle, range(&above.points) / range(&below.points)));
         } else {
             let both = above.points.iter().zip(&below.points);
             points.extend(both.map(|(above, below)| (above.0, above.1 / below.1)));
