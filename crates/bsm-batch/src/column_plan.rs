@@ -88,7 +88,10 @@ impl<'a> ColumnPlan<'a> {
                     in_row(cells.without(InputSet::of(&[key]))).union(InputSet::WITH_DEFAULT);
                 let leaves = without == given.union(InputSet::WITH_DEFAULT);
                 Origin::Column(column, of_base.filter(|_| leaves))
-            } else if completed && !given.contains(key) && plan.follows(key, |_| 0.0).is_some() {
+            } else if completed
+                && !given.contains(key)
+                && plan.dependent_value(key, |_| 0.0).is_some()
+            {
                 Origin::OtherInputs
             } else if let Some(value) = of_base.filter(|_| completed) {
                 if !rule.holds(value) || !is_plain(value) {
@@ -109,7 +112,7 @@ impl<'a> ColumnPlan<'a> {
     /// Returns the value of an input that is calculated from other inputs.
     ///
     /// * `cell`: function that returns the value of the column with the given index.
-    fn follows(&self, key: InputKey, cell: impl Fn(usize) -> f64) -> Option<f64> {
+    fn dependent_value(&self, key: InputKey, cell: impl Fn(usize) -> f64) -> Option<f64> {
         derived_input(key, |from| match self.column(from) {
             Some(index) => Some(cell(index)),
             None => self.base[from].filter(|_| self.given.contains(from)),
@@ -132,7 +135,7 @@ impl<'a> ColumnPlan<'a> {
                         Cell::Number(value) => value,
                         _ => f64::NAN,
                     };
-                    let value = |row| self.follows(key, |index| cell(row, index));
+                    let value = |row| self.dependent_value(key, |index| cell(row, index));
                     let values = (0..chunk.len).map(|row| value(row).unwrap_or(f64::NAN));
                     InputColumn::Column(rule, values.collect())
                 }

@@ -12,11 +12,11 @@ use bsm_report::sheets::Study;
 use bsm_report::{Figure, PROGRAM, ReportError};
 
 use crate::answer::{Pictures, Reply, WriteTable};
-use crate::args::{ALL, Show, SolveArgs};
+use crate::args::{ALL_MODELS, Show, SolveArgs};
 use crate::failure::Failure;
 use crate::files::InputFiles;
-use crate::nut::columns;
-use crate::progress::waiting;
+use crate::nut::table_writer;
+use crate::progress::show_spinner;
 use crate::table_job::write_rows;
 
 /// Sections of the answer, with the names of their JSON members if several sections are requested.
@@ -61,20 +61,20 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         let text = "--figures draws only the results of --show slip, jam and optimum";
         return Err(Failure::Input(text.to_owned()));
     }
-    if args.model.model == ALL {
+    if args.model.model == ALL_MODELS {
         if !args.show.is_empty() || args.model.has_settings() {
             let text = "--model all compares the motion in all models and cannot be combined with --show or with model settings";
             return Err(Failure::Input(text.to_owned()));
         }
         let answer = comparison(&case).map_err(args.case.failure())?;
-        return Reply::about(&case, answer).give(&to, || Ok(Pictures::default()));
+        return Reply::about(&case, answer).deliver(&to, || Ok(Pictures::default()));
     }
     let mut settings = args.model.settings()?;
     // All requested sections describe the same motion, so they must use the same model.
     if shown.iter().any(|part| matches!(part, Show::Slip | Show::Ellipses | Show::Jam)) {
         settings.model = settings.model.for_motion(case.stated());
     }
-    let line = waiting("solving");
+    let line = show_spinner("solving");
     let mut figures = Vec::new();
     let mut parts = Vec::new();
     let mut table = None;
@@ -91,7 +91,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
             Show::Optimum => optimum(args, &case, &settings, drawn)?,
             Show::Ratings | Show::Steps => ratings(args, &case)?,
         };
-        let possible = |possible: &Case| again(part, args, possible, &settings);
+        let possible = |possible: &Case| recalculate_section(part, args, possible, &settings);
         parts.push((name, answer.with_groove_intervals(&case, DRAWS, possible)));
     }
     drop(line);
@@ -103,12 +103,17 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         table = Some(Box::new(move |path: &Path| write_rows(path, &rows, units, &about)));
     }
     let reply = Reply { parts, table, ..Reply::about(&case, Answer::default()) };
-    reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
+    reply.deliver(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// Recalculates a section of the answer for another groove that is consistent with the inputs.
 /// Returns `None` if there is no solution.
-fn again(part: Show, args: &SolveArgs, case: &Case, settings: &Settings) -> Option<Answer> {
+fn recalculate_section(
+    part: Show,
+    args: &SolveArgs,
+    case: &Case,
+    settings: &Settings,
+) -> Option<Answer> {
     let solution = || {
         let solution = case.problem(settings).ok()?.solve(&mut ModelWorkspace::default());
         (solution.status() == Status::Converged).then_some(solution)
@@ -150,15 +155,20 @@ fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, 
         }
     }
     let lacks = args.show.contains(&Show::Sensitivities) && sensitivities.is_none();
-    let mut answer =
-        point(args, case, settings, solution, &Supplement { band, parts: true, sensitivities })?;
+    let mut answer = model_answer(
+        args,
+        case,
+        settings,
+        solution,
+        &Supplement { band, parts: true, sensitivities },
+    )?;
     answer.notes.splice(0..0, notes);
     answer.fails |= lacks;
     Ok(answer)
 }
 
 /// Returns the results of the motion, or the reason why the motion has no solution.
-fn point(
+fn model_answer(
     args: &SolveArgs,
     case: &Case,
     settings: &Settings,
@@ -203,7 +213,7 @@ fn motion_answer(
     let problem = case.problem(settings).map_err(args.case.failure())?;
     let solution = problem.solve(&mut ModelWorkspace::default());
     if solution.reason().is_some() {
-        return point(args, case, settings, solution, &Supplement::default());
+        return model_answer(args, case, settings, solution, &Supplement::default());
     }
     answer(&solution)
 }
@@ -220,7 +230,7 @@ fn ellipses<'a>(
         let points = args.points.unwrap_or(EllipseFields::POINTS);
         let fields = EllipseFields::of(case, settings, solution, points);
         let fields = fields.map_err(args.case.failure())?;
-        *table = Some(columns(fields.columns(), case));
+        *table = Some(table_writer(fields.columns(), case));
         Ok(fields.answer())
     })
 }

@@ -56,7 +56,7 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
         let (figures, page) = (measured.figures(), Some(tradeoff_page(&measured)?));
         Ok(Pictures { figures, page, ..Pictures::default() })
     };
-    Reply::of(answer).give(&to, draw)
+    Reply::of(answer).deliver(&to, draw)
 }
 
 fn read(path: &Path) -> Result<Points, Failure> {

@@ -8,7 +8,7 @@ use crate::answer::{Pictures, Reply};
 use crate::args::ValidateArgs;
 use crate::failure::Failure;
 use crate::files::InputFiles;
-use crate::progress::waiting;
+use crate::progress::show_spinner;
 use crate::table;
 
 pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
@@ -22,7 +22,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
         Some(folder) => PublishedData::read(folder)?,
         None => PublishedData::default(),
     };
-    let line = waiting("calculating the published results");
+    let line = show_spinner("calculating the published results");
     let report = bsm_validate::run(&published);
     drop(line);
     let mut report = report?;
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
         }
     }
     let answer = report.answer().with_shown(Content::Text("", Some(describe(&report))));
-    Reply::of(answer).give(&to, || {
+    Reply::of(answer).deliver(&to, || {
         let figures = bsm_validate::figures(&published)?;
         let page = Some(bsm_validate::validation_page(&report, &figures)?);
         Ok(Pictures { figures, page, ..Pictures::default() })

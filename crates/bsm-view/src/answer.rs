@@ -320,7 +320,7 @@ fn sweep(
     let named = source.columns().clone();
     let chunk = source.next(grid.len()).map_err(|error| Refusal::Input(error.to_string()))?;
     let chunk = chunk.ok_or_else(|| Refusal::Input("the map has no points".to_owned()))?;
-    let mut answers = Answers::room(grid.len(), task.outputs.len());
+    let mut answers = Answers::allocate(grid.len(), task.outputs.len());
     let room = Buffers {
         verdicts: &mut answers.verdicts,
         columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),

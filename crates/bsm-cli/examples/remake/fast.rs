@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 type Blocks = Result<String, Box<dyn Error>>;
 
 /// A function that generates the text of a block.
-type Make = fn(&Program) -> Blocks;
+type Generate = fn(&Program) -> Blocks;
 
 /// The program `bsm`, with a working folder that contains the examples and the published data.
 pub(crate) struct Program {
@@ -24,7 +24,7 @@ pub(crate) struct Program {
 }
 
 /// Names of all blocks, with the functions that generate them.
-pub(crate) const BLOCKS: &[(&str, Make)] = &[
+pub(crate) const BLOCKS: &[(&str, Generate)] = &[
     ("checks", checks),
     ("accuracies", accuracies),
     ("slip-powers", slip_powers),
