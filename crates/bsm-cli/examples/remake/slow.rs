@@ -131,7 +131,7 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     // Settings that differ only in the creep speed are left out, because the creep speed does not
     // affect the computing time.
     let times = times.filter(|(setting, _)| {
-        !setting["options"].as_str().is_some_and(|options| options.starts_with("creep"))
+        !setting["options"].as_str().is_some_and(|options| options.starts_with("--creep"))
     });
     let times = times.map(times_row).collect::<Result<Vec<_>>>()?;
     let header = "| model and setting | rolling | partial skid | gross skid | all | 99 % quantile | batch: rolling | partial skid | gross skid | all | fresh | batch |";
