@@ -144,7 +144,7 @@ fn is_of_fold(name: &str) -> bool {
 }
 
 /// Results for a warm state that have an uncertainty band.
-const OF_BAND: [&str; 10] = [
+const BAND_RESULTS: [&str; 10] = [
     "nut_temperature_C",
     "screw_temperature_C",
     "balls_temperature_C",
@@ -158,7 +158,8 @@ const OF_BAND: [&str; 10] = [
 ];
 
 /// Results for each phase with motion that have an uncertainty band.
-const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
+const PHASE_BAND_RESULTS: [&str; 2] =
+    ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
 
 /// Returns whether the lower and the upper bound of a result are missing because no steady state
 /// exists under some of the varied assumptions.
@@ -176,9 +177,9 @@ fn missing_bounds(unsolved: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool
     [unknown || grows && falls, unknown || grows && !falls]
 }
 
-/// Returns the results for a warm state: first the results in [`OF_BAND`], and then the results in
-/// [`OF_PHASE`] for each phase with motion.
-fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
+/// Returns the results for a warm state: first the results in [`BAND_RESULTS`], and then the results in
+/// [`PHASE_BAND_RESULTS`] for each phase with motion.
+fn band_values(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
     let network = nut.network(1.0);
     let (growth, tension) = (network.growth(&steady.rises), network.tension(&steady.rises));
     let whole = [steady.heated.preload, steady.heat(), growth / UM, tension, steady.gain];
@@ -197,7 +198,7 @@ impl Warm {
         settings: &Settings,
         detail: Detail,
     ) -> Result<Option<Self>, CaseError> {
-        Self::of(case, settings, detail, of_band)
+        Self::of(case, settings, detail, band_values)
     }
 
     /// Adds results, conductances and uncertainty band of the warm state to an answer, if the warm
@@ -221,8 +222,9 @@ impl Warm {
         let moves =
             |phase: &Option<PhaseState>| phase.as_ref().is_some_and(|p| p.friction.is_some());
         let moving = moving.filter(|(_, phase)| moves(phase)).map(|(place, _)| place + 1);
-        let of_phase = moving.flat_map(|number| OF_PHASE.map(|name| format!("{name} {number}")));
-        let names = OF_BAND.map(str::to_owned).into_iter().chain(of_phase);
+        let of_phase =
+            moving.flat_map(|number| PHASE_BAND_RESULTS.map(|name| format!("{name} {number}")));
+        let names = BAND_RESULTS.map(str::to_owned).into_iter().chain(of_phase);
         let row = |((name, value), [low, high]): ((String, &f64), &[f64; 2])| {
             let [no_low, no_high] = missing_bounds(&band.none, &name);
             let [low, high] =

@@ -7,8 +7,8 @@ use bsm_design::{rod_inertia, rod_mass_per_length};
 use bsm_dyn::lubrication::Temperature;
 use serde_json::{Value, json};
 
-use crate::case::nut::OF_A_NUT;
-use crate::vocabulary::input_set::{OF_A_LUBRICANT, inputs, lead_mm};
+use crate::case::nut::NUT_ONLY_INPUTS;
+use crate::vocabulary::input_set::{LUBRICANT_INPUTS, inputs, lead_mm};
 use crate::vocabulary::names::{GivenNames, json_or_text, wrong_type};
 use crate::vocabulary::number::{format_short, format_trimmed};
 use crate::vocabulary::rules::Relation;
@@ -291,7 +291,7 @@ pub(crate) fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
 const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
     let of_an_axis = inputs! { moved_mass_kg seal_torque_Nm support_bearing_torque_Nm };
     [
-        (OF_A_NUT, "`bsm nut` includes all balls of the nut"),
+        (NUT_ONLY_INPUTS, "`bsm nut` includes all balls of the nut"),
         (of_an_axis, "the screw torque and `bsm axis` include the whole axis"),
     ]
 };
@@ -395,7 +395,7 @@ impl Case {
     /// Returns the case without the inputs that determine friction.
     pub(crate) fn without_friction(mut self) -> Self {
         self.friction_coefficient = None;
-        for key in OF_A_LUBRICANT.iter() {
+        for key in LUBRICANT_INPUTS.iter() {
             self[key] = None;
         }
         self

@@ -115,7 +115,7 @@ impl InputSet {
     pub fn replaced(self) -> Self {
         let coefficient = inputs! { friction_coefficient };
         let friction = match (self.intersects(coefficient), self.intersects(VISCOSITY.keys())) {
-            (true, false) => OF_A_LUBRICANT,
+            (true, false) => LUBRICANT_INPUTS,
             (false, true) => coefficient,
             _ => Self::default(),
         };
@@ -296,7 +296,7 @@ pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f6
 
 /// Inputs that indicate that friction is calculated from a lubricant. Density and drag coefficient
 /// are not included, because the jamming analysis also uses them for dry balls.
-pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
+pub(crate) const LUBRICANT_INPUTS: InputSet = inputs! {
     iso_vg viscosity_40C_mm2_s viscosity_100C_mm2_s pressure_viscosity_1_GPa
     limiting_shear_ratio boundary_friction_coefficient lubricant_temperature_C
     heat_transfer_W_K ball_roughness_um nut_roughness_um screw_roughness_um film_factor
@@ -306,12 +306,12 @@ pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
 impl InputSet {
     /// Lubricant inputs that must be constant in a table in which only the temperature of the
     /// lubricant varies.
-    pub(crate) const OF_ONE_LUBRICANT: Self = {
+    pub(crate) const CONSTANT_LUBRICANT_INPUTS: Self = {
         // Lubricant inputs that are also valid for a dry ball.
         let more = inputs! {
             lubricant_density_kg_m3 seal_torque_Nm drag_coefficient ambient_temperature_C
         };
-        OF_A_LUBRICANT.union(more).without(inputs! { lubricant_temperature_C })
+        LUBRICANT_INPUTS.union(more).without(inputs! { lubricant_temperature_C })
     };
 
     /// Inputs that state the load and the speed of a single operating point. A cycle states the
@@ -325,7 +325,7 @@ impl InputSet {
 
     /// Returns true if friction is calculated from a lubricant.
     pub fn is_lubricated(self) -> bool {
-        self.intersects(OF_A_LUBRICANT)
+        self.intersects(LUBRICANT_INPUTS)
     }
 
     /// Returns true if a friction coefficient or a lubricant is given.
@@ -338,7 +338,7 @@ impl InputSet {
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
         use InputKey as K;
         if self.contains(InputKey::friction_coefficient)
-            && let Some(key) = self.intersection(OF_A_LUBRICANT).iter().next()
+            && let Some(key) = self.intersection(LUBRICANT_INPUTS).iter().next()
         {
             return Err(CaseError::Invalid(format!(
                 "give either friction_coefficient or a lubricant, but friction_coefficient and {} are given",

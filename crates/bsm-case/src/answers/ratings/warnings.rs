@@ -8,7 +8,12 @@ use crate::vocabulary::warning::{SelectionLimit, Warning};
 
 /// Returns warnings about exceeded limits of the catalog formulas and about unfavorable
 /// proportions.
-pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits) -> Vec<Warning> {
+pub(super) fn limit_warnings(
+    nut: &Nut,
+    thread: &Thread,
+    body: &NutBody,
+    limits: &Limits,
+) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if body.length < nut.turns * nut.pitch() {
         warnings.push(Warning::advice(format!(
@@ -66,7 +71,7 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
 
 /// Returns warnings if the preload of a pair is larger than recommended (D22) or too small for the
 /// load (D23).
-pub(super) fn of_pair(
+pub(super) fn preload_warnings(
     elasticity: &Elasticity,
     preload: f64,
     load: Option<f64>,

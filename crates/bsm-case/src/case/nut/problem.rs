@@ -522,7 +522,7 @@ fn notes(
 
 /// Inputs that only the nut analysis uses. Other commands print a note that they ignore these
 /// inputs.
-pub(crate) const OF_A_NUT: InputSet = inputs! {
+pub(crate) const NUT_ONLY_INPUTS: InputSet = inputs! {
     preload_N preload_offset_um ball_oversize_um radial_load_x_N radial_load_y_N moment_x_Nm
     moment_y_Nm tilt_x_urad tilt_y_urad radial_x_um radial_y_um
 };
