@@ -54,7 +54,7 @@ impl Table {
         let (chunk, columns) = bsm_benches::chunk(INPUTS, points);
         let outputs = OUTPUTS.map(|name| Output::named(name.name()).expect("known name"));
         let task = Task::new(Case::default(), settings(), outputs.to_vec());
-        let answers = Mutex::new(Answers::room(points.len(), OUTPUTS.len()));
+        let answers = Mutex::new(Answers::allocate(points.len(), OUTPUTS.len()));
         Self { chunk, columns, task, answers }
     }
 
@@ -65,9 +65,9 @@ impl Table {
         let mut answers = self.answers.lock().expect("no solve has panicked");
         let Answers { verdicts, columns, .. } = &mut *answers;
         let columns = columns.iter_mut().map(|column| Some(&mut column[..])).collect();
-        let room = Buffers { verdicts, columns };
+        let buffers = Buffers { verdicts, columns };
         let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
-        let told = self.task.solve_into((&self.chunk, &self.columns), room, &stop, &done);
+        let told = self.task.solve_into((&self.chunk, &self.columns), buffers, &stop, &done);
         answers.messages = told.messages;
         answers
     }

@@ -6,7 +6,7 @@ use std::io;
 use arrow_schema::ArrowError;
 use bsm_batch::TableError;
 use bsm_batch::dataset::DatasetError;
-use bsm_case::{CaseError, Known};
+use bsm_case::{CaseError, NameKind};
 use bsm_report::ReportError;
 use bsm_validate::ValidateError;
 use pyo3::exceptions::PyOSError;
@@ -72,11 +72,13 @@ fn input(error: &CaseError) -> PyErr {
         return PyOSError::new_err(error.to_string());
     }
     let hint = match error {
-        CaseError::Unknown { known, .. } => match known {
-            Known::Input => "ballscrew.INPUTS contains all names",
-            Known::Output => OUTPUTS,
-            Known::Requirement => "ballscrew.REQUIREMENTS and ballscrew.INPUTS contain all names",
-            Known::List | Known::Column | Known::TableColumn => "",
+        CaseError::Unknown { kind, .. } => match kind {
+            NameKind::Input => "ballscrew.INPUTS contains all names",
+            NameKind::Output => OUTPUTS,
+            NameKind::Requirement => {
+                "ballscrew.REQUIREMENTS and ballscrew.INPUTS contain all names"
+            }
+            NameKind::List | NameKind::Column | NameKind::TableColumn => "",
         },
         CaseError::NoRange { .. } => "give the search range: inputs={name: (low, high)}",
         _ => "",

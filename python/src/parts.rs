@@ -36,7 +36,15 @@ fn planned(why: PlanError) -> Error {
 type RowReport = (u64, u64, u64, u64, u64, u64, String);
 
 fn told(part: &Part) -> RowReport {
-    let Part { number, first_row, rows, failed, several, data_bytes, data_sha256 } = part.clone();
+    let Part {
+        number,
+        first_row,
+        rows,
+        failed,
+        with_other_solutions: several,
+        data_bytes,
+        data_sha256,
+    } = part.clone();
     (number, first_row, rows, failed, several, data_bytes, data_sha256)
 }
 
@@ -82,7 +90,7 @@ impl PyPlan {
         } else if let Some((seed, count, of)) = random {
             let draws = draws_of(seed, count, of)?;
             let corners = draws.corners()?;
-            (of_grid(&corners)?, Points::Draws(draws))
+            (of_grid(&corners)?, Points::Random(draws))
         } else {
             let grid = grid_of(axes)?;
             (of_grid(&grid)?, Points::Grid(grid))

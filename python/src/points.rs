@@ -14,8 +14,9 @@ use std::time::Duration;
 use arrow_array::{Array, ArrayRef, Float64Array};
 use arrow_buffer::{Buffer, NullBuffer, ScalarBuffer};
 use bsm_batch::{
-    AnswerSink, Answers, Buffers, Chunk, Columns, Distribution, Draw, Draws, Format, GridSource,
-    ROWS, RowReport, Source, TableError, TableFormat, TableSink, Task, Verdict, Workers,
+    AnswerSink, Answers, Buffers, Chunk, Columns, Distribution, Format, GridSource, ROWS_PER_CHUNK,
+    RandomInput, RandomPoints, RowReport, Source, TableError, TableFormat, TableSink, Task,
+    Verdict, Workers,
 };
 use bsm_case::{AxisValues, CaseError, Grid, GridAxis, ModelChoice, OUTPUTS, Output};
 use bsm_dyn::Status;
@@ -154,7 +155,7 @@ impl Rows {
         let mut sink = TableSink::new(format, file, columns, &self.outputs, &table_format)?;
         let mut messages = self.messages.iter().peekable();
         let mut first = 0;
-        while let Some(chunk) = source.next(ROWS)? {
+        while let Some(chunk) = source.next(ROWS_PER_CHUNK)? {
             let rows = first..first + chunk.len;
             let mut of_chunk = Vec::new();
             while let Some((row, text)) = messages.next_if(|(row, _)| rows.contains(row)) {
@@ -219,7 +220,7 @@ pub(crate) fn table_of(
     let inputs = named.input_places().iter().enumerate().map(input).collect();
     let names = named.input_places().iter().map(|place| columns[*place].0.clone()).collect();
     if let Some(place) = kept.iter().position(|column| column.data_type().is_nested()) {
-        return Err(TableError::not_text(&keep[place]).into());
+        return Err(TableError::nested_column(&keep[place]).into());
     }
     let named =
         named.with_kept_types(kept.iter().map(|column| column.data_type().clone()).collect());
@@ -287,15 +288,19 @@ pub(crate) enum Law {
 }
 
 /// Creates random points from the names and distributions of the inputs.
-pub(crate) fn draws_of(seed: u64, count: u64, of: Vec<(String, Law)>) -> Result<Draws, CaseError> {
+pub(crate) fn draws_of(
+    seed: u64,
+    count: u64,
+    of: Vec<(String, Law)>,
+) -> Result<RandomPoints, CaseError> {
     let draw = |(name, law): (String, Law)| {
         let distribution = match law {
             Law::Uniform { low, high } => Distribution::Uniform { low, high },
             Law::Normal { mean, deviation } => Distribution::Normal { mean, deviation },
         };
-        Draw::new(&name, distribution)
+        RandomInput::new(&name, distribution)
     };
-    Draws::new(seed, count, of.into_iter().map(draw).collect::<Result<_, _>>()?)
+    RandomPoints::new(seed, count, of.into_iter().map(draw).collect::<Result<_, _>>()?)
 }
 
 /// Returns the values of each random input. The values are identical to the values of `bsm sweep
@@ -404,8 +409,8 @@ impl RowAnswers {
         // Requested outputs are written directly to their columns, and so are all outputs of a
         // table that fits into a single chunk. If all outputs are requested for a longer table,
         // most of them belong to models that were not used, so only existing values are returned.
-        let own = if len <= ROWS || outputs < OUTPUTS.len() { outputs } else { 0 };
-        let Answers { verdicts, messages, columns } = Answers::room(len, own);
+        let own = if len <= ROWS_PER_CHUNK || outputs < OUTPUTS.len() { outputs } else { 0 };
+        let Answers { verdicts, messages, columns } = Answers::allocate(len, own);
         let mut columns: Vec<_> = columns.into_iter().map(Some).collect();
         columns.resize(outputs, None);
         Self { verdicts, messages, columns, len, text }
@@ -423,14 +428,14 @@ impl RowAnswers {
         let mut verdicts = &mut self.verdicts[..];
         let mut first = 0;
         while !stop.load(Ordering::Relaxed) {
-            let Some(chunk) = source.next(ROWS)? else { break };
+            let Some(chunk) = source.next(ROWS_PER_CHUNK)? else { break };
             let rows = first..first + chunk.len;
             let here = verdicts.split_off_mut(..chunk.len).unwrap_or_default();
             let columns = self.columns.iter_mut();
             let columns = columns.map(|column| Some(&mut column.as_mut()?[rows.clone()])).collect();
-            let room = Buffers { verdicts: &mut *here, columns };
+            let buffers = Buffers { verdicts: &mut *here, columns };
             let RowReport { messages, values } =
-                task.solve_into((&chunk, &named), room, stop, done);
+                task.solve_into((&chunk, &named), buffers, stop, done);
             let wanted = |row: usize| self.text || here[row].status != Status::Converged;
             let words = messages.into_iter().filter(|(row, _)| wanted(*row));
             self.messages.extend(words.map(|(row, text)| (first + row, text)));

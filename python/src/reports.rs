@@ -8,7 +8,8 @@ use bsm_case::{
     Answer, AxisReport, CATALOG, Calibration, CaseError, Catalog, ColumnValues, Content, DRAWS,
     DesignReport, EllipseFields, Fit, FittedInput, ListColumn, ManufacturerNut, ManufacturerRow,
     Measurement, MeasurementError, ModelChoice, MotionAnswer, NutFilter, NutProblem, NutReport,
-    Output, Record, RequirementFile, Samples, Settings, TableFormat, over_grooves, sheet_columns,
+    Output, Record, RequirementFile, Samples, Settings, TableFormat, sheet_columns,
+    with_groove_intervals,
 };
 use bsm_dyn::{ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
@@ -45,13 +46,13 @@ fn on_threads<R: Send>(
 /// Calculates the slip at the contacts of a ball.
 #[pyfunction]
 pub(crate) fn slip(py: Python<'_>, case: &Bound<'_, Case>, how: How) -> Result<Report> {
-    of_motion(py, case, &how, bsm_case::slip)
+    motion_report(py, case, &how, bsm_case::slip)
 }
 
 /// Analyzes whether the balls jam in the nut or at the ball return.
 #[pyfunction]
 pub(crate) fn jam(py: Python<'_>, case: &Bound<'_, Case>, how: How) -> Result<Report> {
-    of_motion(py, case, &how, |case, _, solution| bsm_case::jam(case, solution))
+    motion_report(py, case, &how, |case, _, solution| bsm_case::jam(case, solution))
 }
 
 /// Calculates pressure, slip and friction over the contact ellipses.
@@ -64,13 +65,13 @@ pub(crate) fn ellipses(
     how: How,
     points: u32,
 ) -> Result<Report> {
-    of_motion(py, case, &how, |case, settings, solution| {
+    motion_report(py, case, &how, |case, settings, solution| {
         Ok(EllipseFields::of(case, settings, solution, points)?.answer())
     })
 }
 
 /// Runs an analysis of a solved motion.
-fn of_motion(
+fn motion_report(
     py: Python<'_>,
     case: &Bound<'_, Case>,
     how: &How,
@@ -85,7 +86,7 @@ fn of_motion(
             return Ok((Object(Value::Object(record)), false, Vec::new()));
         }
         let answer = analysis(case, &settings, &solution)?;
-        let found = answer.over_grooves(case, DRAWS, |possible| {
+        let found = answer.with_groove_intervals(case, DRAWS, |possible| {
             let work = &mut ModelWorkspace::default();
             let motion = MotionAnswer::of(possible, &how.0, work).ok()?;
             analysis(possible, &settings, &motion.solution).ok()
@@ -105,7 +106,7 @@ pub(crate) fn compare(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> 
 #[pyfunction]
 pub(crate) fn ratings(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> {
     let case = &case.get().with_groove()?;
-    on_threads(py, || Ok(told(&over_grooves(case, DRAWS, bsm_case::ratings)?)))
+    on_threads(py, || Ok(told(&with_groove_intervals(case, DRAWS, bsm_case::ratings)?)))
 }
 
 /// Rows of a table of numbers.
@@ -125,7 +126,7 @@ pub(crate) fn nut(
         let settings = problem.settings();
         match problem.solve() {
             Ok(report) => {
-                let answer = NutReport::over_grooves(report.answer(), case, &settings);
+                let answer = NutReport::with_groove_intervals(report.answer(), case, &settings);
                 Ok((told(&answer), report.balls().rows, report.curve().rows))
             }
             Err(none) => Ok((told(&NutProblem::unsolved(case, &none)), Vec::new(), Vec::new())),
@@ -158,7 +159,7 @@ pub(crate) fn nut_samples(
         let samples = Samples::new(&problem, number, None)?;
         let nuts: Vec<_> = (0..number).into_par_iter().map(|i| samples.solve(i)).collect();
         let answer = Samples::answer(&nuts, case);
-        Ok(told(&Samples::over_grooves(answer, case, &problem.settings(), number, None)))
+        Ok(told(&Samples::with_groove_intervals(answer, case, &problem.settings(), number, None)))
     })
 }
 
@@ -226,7 +227,7 @@ pub(crate) fn fit_table(
         let answer = match fit.run(case, &how.0)? {
             Ok(report) => {
                 let answer = fit.answer(case, &report);
-                Calibration::over_grooves(answer, case, &how.0, prepare)
+                Calibration::with_groove_intervals(answer, case, &how.0, prepare)
             }
             Err(none) => Answer { fails: true, warnings: case.warnings(), ..Answer::default() }
                 .with("message", Content::Text("", Some(none.to_string()))),
@@ -272,7 +273,7 @@ pub(crate) fn optimum(
         Some(ModelChoice::Auto) | None => None,
     };
     let answer = |case: &bsm_case::Case| bsm_case::optimum(case, model);
-    on_threads(py, || Ok(told(&over_grooves(case, DRAWS, answer)?)))
+    on_threads(py, || Ok(told(&with_groove_intervals(case, DRAWS, answer)?)))
 }
 
 /// Files of a report: the path within the folder of the report, and the contents.

@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 
 use bsm_case::{
     Answer, CaseError, DRAWS, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings,
-    Supplement, following, torque_parts,
+    Supplement, derived_input, torque_parts,
 };
 use bsm_dyn::ModelWorkspace;
 use bsm_report::PROGRAM;
@@ -147,14 +147,14 @@ impl Solution {
     /// Returns the answer that the program prints with `--show band`.
     fn answer(&self, py: Python<'_>) -> Answer {
         let (case, settings) = (&self.solved, &self.settings);
-        let beside = Supplement { band: true, parts: true, sensitivities: None };
+        let supplement = Supplement { band: true, parts: true, sensitivities: None };
         py.detach(|| {
-            let answer = self.record.answer(PROGRAM, case, settings, &beside);
-            answer.over_grooves(case, DRAWS, |possible| {
+            let answer = self.record.answer(PROGRAM, case, settings, &supplement);
+            answer.with_groove_intervals(case, DRAWS, |possible| {
                 let problem = possible.problem(settings).ok()?;
                 let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
-                let beside = Supplement { parts: true, ..Supplement::default() };
-                Some(record.answer(PROGRAM, possible, settings, &beside))
+                let supplement = Supplement { parts: true, ..Supplement::default() };
+                Some(record.answer(PROGRAM, possible, settings, &supplement))
             })
         })
     }
@@ -218,8 +218,8 @@ pub(crate) fn gradient(
     let sets = |target: InputKey, key: InputKey, case: &bsm_case::Case| {
         let without = |other: InputKey| case[other].filter(|_| other != key);
         case[target].is_none()
-            && following(target, |other| case[other]).is_some()
-            && following(target, without).is_none()
+            && derived_input(target, |other| case[other]).is_some()
+            && derived_input(target, without).is_none()
     };
     let first = if len > 0 { case(0) } else { base.clone() };
     for key in &keys {

@@ -85,7 +85,7 @@ pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
         let column = column.as_primitive::<T>();
         texts((0..column.len()).map(|i| column.is_valid(i).then(|| column.value_as_string(i))))
     }
-    fn lasting<T: ArrowTemporalType<Native = i64>>(column: &ArrayRef) -> Vec<Value> {
+    fn durations<T: ArrowTemporalType<Native = i64>>(column: &ArrayRef) -> Vec<Value> {
         let column = column.as_primitive::<T>();
         let text = |i| if column.is_null(i) { None } else { column.value_as_duration(i) };
         texts((0..column.len()).map(text))
@@ -117,10 +117,10 @@ pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
         DataType::Binary => bytes(column.as_binary::<i32>().iter())?,
         DataType::LargeBinary => bytes(column.as_binary::<i64>().iter())?,
         DataType::BinaryView => bytes(column.as_binary_view().iter())?,
-        DataType::Duration(TimeUnit::Second) => lasting::<DurationSecondType>(column),
-        DataType::Duration(TimeUnit::Millisecond) => lasting::<DurationMillisecondType>(column),
-        DataType::Duration(TimeUnit::Microsecond) => lasting::<DurationMicrosecondType>(column),
-        DataType::Duration(TimeUnit::Nanosecond) => lasting::<DurationNanosecondType>(column),
+        DataType::Duration(TimeUnit::Second) => durations::<DurationSecondType>(column),
+        DataType::Duration(TimeUnit::Millisecond) => durations::<DurationMillisecondType>(column),
+        DataType::Duration(TimeUnit::Microsecond) => durations::<DurationMicrosecondType>(column),
+        DataType::Duration(TimeUnit::Nanosecond) => durations::<DurationNanosecondType>(column),
         DataType::Dictionary(..) => {
             let column = column.as_any_dictionary();
             let words = values(column.values())?;

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use arrow_array::Array;
 use bsm_case::{
-    Case, INPUTS, InputKey, InputSet, ModelChoice, PLAY, Quantity, Settings, following,
+    Case, INPUTS, InputKey, InputSet, ModelChoice, PLAY, Quantity, Settings, derived_input,
 };
 use bsm_dyn::{Model, lubrication::Lubricant, model::RacewayFriction};
 use bsm_kernels::{InputColumn, InputColumns, is_plain};
@@ -18,7 +18,7 @@ use crate::{Cell, Chunk, Columns};
 /// | the input | source | value in a row |
 /// |---|---|---|
 /// | is a column | `Column`: index of the column, and value of an empty cell | cell; if it is empty, base case or default, unless other cells prevent this |
-/// | is calculated from other inputs by [`following`] | `OtherInputs` | calculated from the cells and the base case |
+/// | is calculated from other inputs by [`derived_input`] | `OtherInputs` | calculated from the cells and the base case |
 /// | is in the base case | `Constant` | the same in every row |
 /// | has a default | `Constant` | the default |
 /// | otherwise | `Absent` | none |
@@ -48,7 +48,7 @@ impl<'a> ColumnPlan<'a> {
     /// every row has an error that must be reported.
     pub(crate) fn new(base: &'a Case, settings: &Settings, columns: &'a Columns) -> Option<Self> {
         settings.check().ok()?;
-        if base.asks_warm() {
+        if base.requests_warm_state() {
             return None;
         }
         let cells = columns.set();
@@ -58,7 +58,7 @@ impl<'a> ColumnPlan<'a> {
         // The validity range of the model is not checked here, because rows outside this range are
         // also passed to the model.
         let model = settings.model.resolve(given, |_| Ok(())).ok()?;
-        let is_third_contact = model == Model::Traction.into() && given.meets(PLAY);
+        let is_third_contact = model == Model::Traction.into() && given.intersects(PLAY);
         if is_third_contact || given.contains(InputKey::radial_gap_um) {
             // The kernels support only balls with two contacts at the nominal contact angle.
             return None;
@@ -85,10 +85,13 @@ impl<'a> ColumnPlan<'a> {
             let of_base = base.value_or_default(key);
             plan.origins[index] = if let Some(column) = plan.column(key) {
                 let without =
-                    in_row(cells.without(InputSet::of(&[key]))).and(InputSet::WITH_DEFAULT);
-                let leaves = without == given.and(InputSet::WITH_DEFAULT);
+                    in_row(cells.without(InputSet::of(&[key]))).union(InputSet::WITH_DEFAULT);
+                let leaves = without == given.union(InputSet::WITH_DEFAULT);
                 Origin::Column(column, of_base.filter(|_| leaves))
-            } else if completed && !given.contains(key) && plan.follows(key, |_| 0.0).is_some() {
+            } else if completed
+                && !given.contains(key)
+                && plan.dependent_value(key, |_| 0.0).is_some()
+            {
                 Origin::OtherInputs
             } else if let Some(value) = of_base.filter(|_| completed) {
                 if !rule.holds(value) || !is_plain(value) {
@@ -109,8 +112,8 @@ impl<'a> ColumnPlan<'a> {
     /// Returns the value of an input that is calculated from other inputs.
     ///
     /// * `cell`: function that returns the value of the column with the given index.
-    fn follows(&self, key: InputKey, cell: impl Fn(usize) -> f64) -> Option<f64> {
-        following(key, |from| match self.column(from) {
+    fn dependent_value(&self, key: InputKey, cell: impl Fn(usize) -> f64) -> Option<f64> {
+        derived_input(key, |from| match self.column(from) {
             Some(index) => Some(cell(index)),
             None => self.base[from].filter(|_| self.given.contains(from)),
         })
@@ -132,7 +135,7 @@ impl<'a> ColumnPlan<'a> {
                         Cell::Number(value) => value,
                         _ => f64::NAN,
                     };
-                    let value = |row| self.follows(key, |index| cell(row, index));
+                    let value = |row| self.dependent_value(key, |index| cell(row, index));
                     let values = (0..chunk.len).map(|row| value(row).unwrap_or(f64::NAN));
                     InputColumn::Column(rule, values.collect())
                 }

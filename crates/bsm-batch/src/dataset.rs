@@ -41,7 +41,7 @@ pub use self::part::Part;
 pub use self::plan::{Estimate, MAX_PARTS, Plan, PlanError, RESULTS};
 pub use self::points::{Points, sha256};
 
-use self::error::kind;
+use self::error::describe_entry;
 use self::folder::{Folder, complete};
 use self::part::{HashingWriter, list_parts, verify, write_footer};
 use crate::table::MemorySink;
@@ -114,7 +114,7 @@ impl FolderScan {
         self.parts.values().fold(Count::default(), |count, part| Count {
             rows: count.rows + part.rows,
             failed: count.failed + part.failed,
-            several: count.several + part.several,
+            with_other_solutions: count.with_other_solutions + part.with_other_solutions,
         })
     }
 }
@@ -173,16 +173,16 @@ pub fn solve_part(
     source.skip(range.first_row).map_err(DatasetError::Read)?;
     let sink = MemorySink::new(source.columns(), &task.outputs);
     let run = task.run(source.as_mut(), sink, range.rows, workers, &mut |_, _| {});
-    let (sink, count) = run.map_err(|error| not_solved(error, DatasetError::Read))?;
+    let (sink, count) = run.map_err(|error| run_error(error, DatasetError::Read))?;
     range.check(count)?;
     Ok((sink.schema, sink.tables))
 }
 
 /// Converts the error that ended the calculation of a part to a [`DatasetError`].
-fn not_solved(error: RunError, unwritable: impl Fn(TableError) -> DatasetError) -> DatasetError {
+fn run_error(error: RunError, write_error: impl Fn(TableError) -> DatasetError) -> DatasetError {
     match error {
         RunError::Read(error) => DatasetError::Read(error),
-        RunError::Write(error) => unwritable(error),
+        RunError::Write(error) => write_error(error),
         RunError::Thread(error) => DatasetError::Thread(error),
         RunError::Stopped => DatasetError::Stopped,
     }
@@ -203,7 +203,7 @@ impl Dataset {
     /// Returns [`DatasetError`] if the folder contains other files or cannot be created.
     pub fn create(folder: &Path, plan: Plan, make: MakeTemporary) -> Result<Self, DatasetError> {
         let this = Self { folder: Folder::new(folder, make), plan };
-        this.begin()?;
+        this.write_plan()?;
         Ok(this)
     }
 
@@ -216,7 +216,7 @@ impl Dataset {
     pub fn resume(folder: &Path, plan: Plan, make: MakeTemporary) -> Result<Self, DatasetError> {
         let this = Self { folder: Folder::new(folder, make), plan };
         // Creating the dataset may fail because another process is creating it at the same time.
-        if let Err(error) = this.begin()
+        if let Err(error) = this.write_plan()
             && !this.is_begun()
         {
             return Err(error);
@@ -271,21 +271,21 @@ impl Dataset {
     }
 
     /// Creates the folder and writes the plan file.
-    fn begin(&self) -> Result<(), DatasetError> {
-        let begun = || {
+    fn write_plan(&self) -> Result<(), DatasetError> {
+        let already_exists = || {
             let same = self.compare().is_ok();
-            DatasetError::Begun { folder: self.folder.path.clone(), same }
+            DatasetError::AlreadyExists { folder: self.folder.path.clone(), same }
         };
         if self.is_begun() {
-            return Err(begun());
+            return Err(already_exists());
         }
-        self.folder.begin()?;
+        self.folder.create()?;
         let path = self.folder.plan();
         let mut file = self.folder.unfinished(&path, self.plan.id())?;
         file.write_all(self.plan.text().as_bytes())
             .and_then(|()| complete(file, &path, false))
             .map_err(|e| match e.kind() {
-                ErrorKind::AlreadyExists => begun(),
+                ErrorKind::AlreadyExists => already_exists(),
                 _ => DatasetError::io("write", &path, e),
             })
     }
@@ -413,16 +413,16 @@ impl Dataset {
     ) -> Result<(TempFile, Part), DatasetError> {
         let range = self.plan.range(number)?;
         let path = self.part_file(number);
-        let unwritable = |error| DatasetError::Write { path: path.clone(), error };
+        let write_error = |error| DatasetError::Write { path: path.clone(), error };
         let file = self.folder.unfinished(&path, self.plan.id())?;
         let out = HashingWriter::new(BufWriter::new(file));
         let mut seen = |chunk: &Chunk, answers: &Answers| notify(Event::Solved(chunk, answers));
         let (columns, table_format) = (source.columns(), TableFormat::default());
         let sink = TableSink::new(Format::Parquet, out, columns, &task.outputs, &table_format);
-        let run = task.run(source, sink.map_err(unwritable)?, range.rows, workers, &mut seen);
-        let (sink, count) = run.map_err(|error| not_solved(error, unwritable))?;
+        let run = task.run(source, sink.map_err(write_error)?, range.rows, workers, &mut seen);
+        let (sink, count) = run.map_err(|error| run_error(error, write_error))?;
         range.check(count)?;
-        write_footer(sink, range, count).map_err(unwritable)
+        write_footer(sink, range, count).map_err(write_error)
     }
 
     /// Gives the temporary file of a solved part its final name.
@@ -574,7 +574,7 @@ impl Dataset {
     /// Returns [`DatasetError`] if the list of parts cannot be written.
     pub fn finish(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
         self.write_list(parts)?;
-        self.folder.tidy(self.plan.id())
+        self.folder.remove_temporary_files(self.plan.id())
     }
 
     /// Writes the list of parts, unless the file already contains this list.
@@ -582,16 +582,16 @@ impl Dataset {
         let path = self.folder.list();
         let list =
             list_parts(parts).map_err(|error| DatasetError::Write { path: path.clone(), error })?;
-        let unwritable = |error| DatasetError::io("write", &path, error);
+        let write_error = |error| DatasetError::io("write", &path, error);
         if let Ok(found) = fs::symlink_metadata(&path)
             && !found.is_file()
         {
-            return Err(unwritable(io::Error::other(format!("it is {}", kind(&found)))));
+            return Err(write_error(io::Error::other(format!("it is {}", describe_entry(&found)))));
         }
         let is_written = || fs::read(&path).is_ok_and(|found| found == list);
         let write = || {
             let mut file = self.folder.unfinished(&path, self.plan.id())?;
-            file.write_all(&list).and_then(|()| complete(file, &path, true)).map_err(unwritable)
+            file.write_all(&list).and_then(|()| complete(file, &path, true)).map_err(write_error)
         };
         // Writing may fail because another process is finishing the dataset and removing temporary
         // files at the same time.

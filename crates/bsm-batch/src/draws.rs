@@ -32,12 +32,12 @@ pub enum Distribution {
 
 /// An input whose value is random, and its probability distribution.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Draw {
+pub struct RandomInput {
     key: InputKey,
     distribution: Distribution,
 }
 
-impl Draw {
+impl RandomInput {
     /// Parses `name=uniform:low:high` or `name=normal:mean:deviation`. The name may end with any
     /// unit that is supported for the input.
     ///
@@ -109,9 +109,9 @@ impl Draw {
     }
 }
 
-/// Writes the text that [`Draw::parse`] reads, with as few digits as are needed to reproduce the
+/// Writes the text that [`RandomInput::parse`] reads, with as few digits as are needed to reproduce the
 /// numbers exactly.
-impl Display for Draw {
+impl Display for RandomInput {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let number = |value: f64| format!("{value:?}").trim_end_matches(".0").to_owned();
         let (word, first, second) = match self.distribution {
@@ -124,21 +124,21 @@ impl Display for Draw {
 
 /// A set of random operating points.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Draws {
+pub struct RandomPoints {
     seed: u64,
     count: u64,
-    of: Vec<Draw>,
+    inputs: Vec<RandomInput>,
 }
 
-impl Draws {
-    /// Creates random points from the texts that [`Draw::parse`] reads.
+impl RandomPoints {
+    /// Creates random points from the texts that [`RandomInput::parse`] reads.
     ///
     /// # Errors
     ///
-    /// Returns the same errors as [`Draw::parse`] and [`new`](Self::new).
-    pub fn parse<T: AsRef<str>>(seed: u64, count: u64, of: &[T]) -> Result<Self, CaseError> {
-        let of = of.iter().map(|draw| Draw::parse(draw.as_ref()));
-        Self::new(seed, count, of.collect::<Result<_, _>>()?)
+    /// Returns the same errors as [`RandomInput::parse`] and [`new`](Self::new).
+    pub fn parse<T: AsRef<str>>(seed: u64, count: u64, inputs: &[T]) -> Result<Self, CaseError> {
+        let inputs = inputs.iter().map(|draw| RandomInput::parse(draw.as_ref()));
+        Self::new(seed, count, inputs.collect::<Result<_, _>>()?)
     }
 
     /// Creates random points whose inputs are statistically independent.
@@ -146,8 +146,8 @@ impl Draws {
     /// # Errors
     ///
     /// Returns [`CaseError`] if an input appears twice.
-    pub fn new(seed: u64, count: u64, of: Vec<Draw>) -> Result<Self, CaseError> {
-        let this = Self { seed, count, of };
+    pub fn new(seed: u64, count: u64, inputs: Vec<RandomInput>) -> Result<Self, CaseError> {
+        let this = Self { seed, count, inputs };
         this.corners()?;
         Ok(this)
     }
@@ -158,8 +158,8 @@ impl Draws {
     }
 
     /// Returns the random inputs and their distributions.
-    pub fn of(&self) -> &[Draw] {
-        &self.of
+    pub fn inputs(&self) -> &[RandomInput] {
+        &self.inputs
     }
 
     /// Returns a grid of the bounds of all uniform distributions and the means of all normal
@@ -169,40 +169,40 @@ impl Draws {
     ///
     /// Returns the same errors as [`Grid::new`].
     pub fn corners(&self) -> Result<Grid, CaseError> {
-        let axis = |draw: &Draw| {
+        let axis = |draw: &RandomInput| {
             let values = match draw.distribution {
                 Distribution::Uniform { low, high } => vec![low, high],
                 Distribution::Normal { mean, .. } => vec![mean],
             };
             GridAxis::new(draw.key.name(), AxisValues::List(values))
         };
-        Grid::new(self.of.iter().map(axis).collect::<Result<_, _>>()?)
+        Grid::new(self.inputs.iter().map(axis).collect::<Result<_, _>>()?)
     }
 
     /// Returns the random inputs, each with its values at all points.
     pub fn columns(&self) -> impl Iterator<Item = (InputKey, Vec<f64>)> {
-        self.of.iter().enumerate().map(|(index, draw)| {
+        self.inputs.iter().enumerate().map(|(index, draw)| {
             let mut values = Vec::new();
-            self.fill(index, 0..self.count, &mut values);
+            self.append_values(index, 0..self.count, &mut values);
             (draw.key, values)
         })
     }
 }
 
-impl PointSet for Draws {
+impl PointSet for RandomPoints {
     fn inputs(&self) -> Vec<InputKey> {
-        self.of.iter().map(|draw| draw.key).collect()
+        self.inputs.iter().map(|draw| draw.key).collect()
     }
 
     fn count(&self) -> u64 {
         self.count
     }
 
-    fn fill(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>) {
+    fn append_values(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>) {
         /// Number of 32-bit words that the random number generator needs for one number between 0
         /// and 1.
         const WORDS: u128 = 2;
-        let distribution = self.of[index].distribution;
+        let distribution = self.inputs[index].distribution;
         let numbers = if matches!(distribution, Distribution::Uniform { .. }) { 1 } else { 2 };
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(index as u64);
@@ -221,4 +221,4 @@ impl PointSet for Draws {
 }
 
 /// A source whose rows are random points.
-pub type DrawSource = PointSource<Draws>;
+pub type RandomSource = PointSource<RandomPoints>;

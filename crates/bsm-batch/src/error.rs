@@ -82,7 +82,7 @@ impl TableError {
 
     /// Returns the error for a column with lists, maps or structures, which cannot be copied to the
     /// results.
-    pub fn not_text(name: &str) -> Self {
+    pub fn nested_column(name: &str) -> Self {
         let message = format!(
             "the cells of column `{}` are lists, maps or structures, which cannot be copied; omit the column, or split \
              it",
@@ -93,7 +93,7 @@ impl TableError {
 
     /// Returns the error for a table that uses an unsupported Parquet feature.
     #[cfg(feature = "parquet")]
-    pub(crate) fn unread(kind: &str) -> Self {
+    pub(crate) fn unsupported(kind: &str) -> Self {
         Self::Malformed(format!(
             "the Parquet table uses {kind}, which is not supported; write it without encryption, and with \
              Snappy, Zstandard, gzip, LZ4 or no compression"
@@ -136,10 +136,10 @@ impl From<parquet::errors::ParquetError> for TableError {
                 Err(other) => Self::Parquet(other.to_string()),
             },
             ParquetError::General(text) if text.contains("encrypted footer") => {
-                Self::unread("encryption")
+                Self::unsupported("encryption")
             }
             ParquetError::General(text) => Self::Parquet(text),
-            ParquetError::NYI(text) => Self::unread(&format!("another feature ({text})")),
+            ParquetError::NYI(text) => Self::unsupported(&format!("another feature ({text})")),
             other => Self::Parquet(other.to_string()),
         }
     }

@@ -63,16 +63,16 @@ mod text;
 
 pub use bsm_case::TableFormat;
 pub use columns::{ColumnUnits, Columns, ConvertingSink, Heading, unit_of};
-pub use draws::{Distribution, Draw, DrawSource, Draws};
+pub use draws::{Distribution, RandomInput, RandomPoints, RandomSource};
 pub use error::{TableError, UnknownName};
 pub use panics::{catch_panic, silence_caught_panics};
 #[cfg(feature = "parquet")]
 pub use parquet_table::ParquetSource;
-pub use pipeline::{Count, ROWS, RunError, Workers};
+pub use pipeline::{Count, ROWS_PER_CHUNK, RunError, Workers};
 pub use rows::{Answers, Cell, Cells, Chunk, Verdict};
 pub use solve::{Buffers, RowReport};
 pub use source::{GridSource, PointSet, PointSource, Source};
-pub use table::{ABOUT, ColumnHead, Format, TableSink};
+pub use table::{ColumnHead, Format, METADATA_KEY, TableSink};
 pub use task::Task;
 pub use text::{CsvSource, JsonSource};
 

@@ -5,7 +5,7 @@ use std::panic::{self, AssertUnwindSafe, catch_unwind};
 
 thread_local! {
     /// True while this thread is inside [`catch_panic`].
-    static CATCHES: cell::Cell<bool> = const { cell::Cell::new(false) };
+    static IS_CATCHING: cell::Cell<bool> = const { cell::Cell::new(false) };
 }
 
 /// Installs a panic hook that prints nothing for panics inside [`catch_panic`], because these
@@ -14,7 +14,7 @@ thread_local! {
 pub fn silence_caught_panics() {
     let print = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
-        if !CATCHES.get() {
+        if !IS_CATCHING.get() {
             print(panic);
         }
     }));
@@ -23,8 +23,8 @@ pub fn silence_caught_panics() {
 /// Returns the result of `work`, or `None` if `work` panics. Use this function to call libraries
 /// that panic instead of returning an error.
 pub fn catch_panic<T>(work: impl FnOnce() -> T) -> Option<T> {
-    let outer = CATCHES.replace(true);
+    let outer = IS_CATCHING.replace(true);
     let result = catch_unwind(AssertUnwindSafe(work));
-    CATCHES.set(outer);
+    IS_CATCHING.set(outer);
     result.ok()
 }

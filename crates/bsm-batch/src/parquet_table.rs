@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use crate::columns::Columns;
 use crate::pages::Pages;
 use crate::panics::catch_panic;
-use crate::pipeline::ROWS;
+use crate::pipeline::ROWS_PER_CHUNK;
 use crate::rows::{Chunk, MAX_TEXT_BYTES};
 use crate::{Source, TableError, TableFormat, arrow_column};
 
@@ -108,7 +108,7 @@ impl ParquetSource {
         }
         for (index, (name, at)) in columns.kept.iter().zip(&columns.kept_places).enumerate() {
             columns.kept_types[index] = match fields[*at].data_type() {
-                found if found.is_nested() => return Err(TableError::not_text(name)),
+                found if found.is_nested() => return Err(TableError::nested_column(name)),
                 DataType::LargeUtf8 => DataType::Utf8,
                 found => found.clone(),
             };
@@ -142,7 +142,7 @@ impl ParquetSource {
                     _ => continue,
                 };
                 if mask.leaf_included(leaf) {
-                    return Err(TableError::unread(&format!("{unread} compression")));
+                    return Err(TableError::unsupported(&format!("{unread} compression")));
                 }
             }
         }
@@ -256,7 +256,7 @@ fn properties(schema: &Schema) -> WriterProperties {
     let mut properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
         // Each data page contains one chunk.
-        .set_data_page_row_count_limit(ROWS)
+        .set_data_page_row_count_limit(ROWS_PER_CHUNK)
         // Without an offset index, the footer follows directly after the rows, so a single hash can
         // cover all bytes before the footer.
         .set_offset_index_disabled(true)

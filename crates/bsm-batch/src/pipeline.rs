@@ -21,7 +21,7 @@ const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
 
 /// Number of rows per chunk. Each page of a Parquet table contains one chunk, so the contents of
 /// the file depend on this number.
-pub const ROWS: usize = 1 << 16;
+pub const ROWS_PER_CHUNK: usize = 1 << 16;
 
 /// Counts of the rows that a run has written.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
@@ -31,7 +31,7 @@ pub struct Count {
     /// Number of rows without a result.
     pub failed: u64,
     /// Number of rows whose operating points are known to have further solutions.
-    pub several: u64,
+    pub with_other_solutions: u64,
 }
 
 /// A thread pool that solves points, together with a stop flag.
@@ -67,10 +67,10 @@ impl<'a> Workers<'a> {
                 running.send(()).unwrap_or_default();
                 work.recv().into_iter().for_each(rayon::ThreadBuilder::run);
             };
-            let mut room = Vec::<u8>::new();
-            let started = match room.try_reserve_exact(MEMORY_RESERVE) {
+            let mut reserve = Vec::<u8>::new();
+            let started = match reserve.try_reserve_exact(MEMORY_RESERVE) {
                 Ok(()) => {
-                    drop(room);
+                    drop(reserve);
                     thread::Builder::new().stack_size(STACK).spawn(run)
                 }
                 Err(error) => Err(io::Error::other(error)),
@@ -223,7 +223,7 @@ impl Task {
 fn read_ahead(source: &mut dyn Source, max_rows: u64, to: &SyncSender<Result<Chunk, TableError>>) {
     let mut left = max_rows;
     while left > 0 {
-        let rows = usize::try_from(left).unwrap_or(ROWS).min(ROWS);
+        let rows = usize::try_from(left).unwrap_or(ROWS_PER_CHUNK).min(ROWS_PER_CHUNK);
         let Some(chunk) = source.next(rows).transpose() else { break };
         left = chunk.as_ref().map_or(0, |chunk| left - chunk.len as u64);
         if to.send(chunk).is_err() {
@@ -242,7 +242,7 @@ fn write<S: AnswerSink>(
     let Some((chunk, answers)) = solved else { return Ok(()) };
     let verdicts = &answers.verdicts;
     count.rows += verdicts.len() as u64;
-    count.several += verdicts.iter().filter(|v| v.has_others).count() as u64;
+    count.with_other_solutions += verdicts.iter().filter(|v| v.has_others).count() as u64;
     count.failed += verdicts.iter().filter(|v| v.status != Status::Converged).count() as u64;
     sink.write(chunk, answers).map_err(RunError::Write)
 }

@@ -245,7 +245,7 @@ pub struct Answers {
 
 impl Answers {
     /// Allocates buffers for the results of a chunk with the given number of rows and outputs.
-    pub fn room(rows: usize, outputs: usize) -> Self {
+    pub fn allocate(rows: usize, outputs: usize) -> Self {
         let model = ModelChoice::Auto;
         let verdict = Verdict { model, status: Status::NotConverged, has_others: false };
         // The operating system provides zeroed memory pages, which occupy no physical memory until

@@ -117,11 +117,11 @@ impl Task {
     pub fn solve_into(
         &self,
         (chunk, columns): (&Chunk, &Columns),
-        room: Buffers<'_>,
+        buffers: Buffers<'_>,
         stop: &AtomicBool,
         done: &AtomicU64,
     ) -> RowReport {
-        Solver::new(self, columns).fill(Arch::new(), stop, done, chunk, room)
+        Solver::new(self, columns).fill(Arch::new(), stop, done, chunk, buffers)
     }
 
     /// Returns true if the given number of rows is small enough to be solved on the calling thread,
@@ -154,7 +154,7 @@ impl<'a> Solver<'a> {
         outputs.extend(task.watched.filter(|_| only_watched));
         let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
         let mut analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
-        if analyses.contains(&AnalysisKind::Warm) && task.base.asks_warm() {
+        if analyses.contains(&AnalysisKind::Warm) && task.base.requests_warm_state() {
             // The warm-state analysis also returns some results of the warm nut. If these results
             // include all requested results of the nut, the nut analysis is omitted, so that the
             // warm state is calculated only once.
@@ -177,12 +177,12 @@ impl<'a> Solver<'a> {
     /// true. The flag is checked before each row or, if a kernel is used, before each group of
     /// rows.
     pub(crate) fn solve(&self, arch: Arch, stop: &AtomicBool, chunk: &Chunk) -> Answers {
-        let mut answers = Answers::room(chunk.len, self.outputs.len());
-        let room = Buffers {
+        let mut answers = Answers::allocate(chunk.len, self.outputs.len());
+        let buffers = Buffers {
             verdicts: &mut answers.verdicts,
             columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),
         };
-        answers.messages = self.fill(arch, stop, &AtomicU64::new(0), chunk, room).messages;
+        answers.messages = self.fill(arch, stop, &AtomicU64::new(0), chunk, buffers).messages;
         answers
     }
 
@@ -192,11 +192,11 @@ impl<'a> Solver<'a> {
         stop: &AtomicBool,
         count: &AtomicU64,
         chunk: &Chunk,
-        room: Buffers<'_>,
+        buffers: Buffers<'_>,
     ) -> RowReport {
         // The caller may provide fewer columns than there are outputs. Outputs that replace missing
         // inputs are at the end of the list, and are not calculated in this case.
-        let outputs = &self.outputs[..room.columns.len()];
+        let outputs = &self.outputs[..buffers.columns.len()];
         let stride = match self.plan.as_ref().map(|plan| plan.model) {
             Some(ModelChoice::Auto) => AUTO_STRIDE,
             None | Some(ModelChoice::Fixed(Model::Traction)) => MODEL_STRIDE,
@@ -214,7 +214,7 @@ impl<'a> Solver<'a> {
             count.fetch_add(rows as u64, Ordering::Relaxed);
             report
         };
-        let parts = room.parts(stride);
+        let parts = buffers.parts(stride);
         let reports: Vec<_> = if self.task.is_quick(chunk.len) {
             parts.into_iter().map(solve).collect()
         } else {
@@ -297,9 +297,9 @@ impl ChunkSolve<'_> {
                     column.set(i, f64::NAN);
                 }
             }
-            let put = |index: usize, value| outputs[index].set(i, value);
-            let words = messages.remove(&i).into_iter().collect();
-            let (verdict, message) = self.row(first + i, *done, words, put);
+            let store = |index: usize, value| outputs[index].set(i, value);
+            let row_messages = messages.remove(&i).into_iter().collect();
+            let (verdict, message) = self.row(first + i, *done, row_messages, store);
             verdicts[i] = verdict.unwrap_or(verdicts[i]);
             messages.extend(message.map(|message| (i, message)));
         }
@@ -309,14 +309,14 @@ impl ChunkSolve<'_> {
     /// Solves a single row, and returns its status and its message. The status is `None` if a
     /// kernel has already solved the row, so that only the analyses are calculated here.
     ///
-    /// * `words`: messages of the kernel about the row.
-    /// * `put`: function that stores the value of the output with the given index.
+    /// * `messages`: messages of the kernel about the row.
+    /// * `store`: function that stores the value of the output with the given index.
     fn row(
         &self,
         row: usize,
         by_kernel: bool,
-        words: Vec<String>,
-        mut put: impl FnMut(usize, f64),
+        messages: Vec<String>,
+        mut store: impl FnMut(usize, f64),
     ) -> (Option<Verdict>, Option<String>) {
         let task = self.solver.task;
         let given = self.chunk.case(self.solver.columns, &task.base, row);
@@ -327,9 +327,9 @@ impl ChunkSolve<'_> {
         };
         match estimated.as_ref().unwrap_or(&given) {
             Ok(case) => {
-                let partial = self.intervals(case, &mut put);
-                let words = words.into_iter().chain(partial).collect();
-                self.results(case, self.outputs, by_kernel, words, put)
+                let partial = self.intervals(case, &mut store);
+                let messages = messages.into_iter().chain(partial).collect();
+                self.results(case, self.outputs, by_kernel, messages, store)
             }
             Err(error) => self.invalid(error),
         }
@@ -349,7 +349,7 @@ impl ChunkSolve<'_> {
     /// Calculates the limits of intervals over the possible grooves of a case. If the groove of the
     /// case is not estimated, there are no intervals. Returns a message for each output that has a
     /// value for only some of the possible grooves.
-    fn intervals(&self, case: &Case, put: &mut impl FnMut(usize, f64)) -> Vec<String> {
+    fn intervals(&self, case: &Case, store: &mut impl FnMut(usize, f64)) -> Vec<String> {
         let ends = || self.outputs.iter().map(|output| output.interval()).enumerate();
         let ends = ends().filter_map(|(index, end)| Some((index, end?)));
         let ends: Vec<_> = ends.collect();
@@ -378,7 +378,7 @@ impl ChunkSolve<'_> {
                 }
             }
             if let Some(Band { low, high }) = Band::of(values) {
-                put(index, if is_high { high } else { low });
+                store(index, if is_high { high } else { low });
             }
         }
         partial
@@ -391,8 +391,8 @@ impl ChunkSolve<'_> {
         case: &Case,
         outputs: &[&'static Output],
         by_kernel: bool,
-        mut words: Vec<String>,
-        mut put: impl FnMut(usize, f64),
+        mut messages: Vec<String>,
+        mut store: impl FnMut(usize, f64),
     ) -> (Option<Verdict>, Option<String>) {
         let settings = &self.solver.task.settings;
         let (mut verdict, mut motion) = (None, None);
@@ -409,11 +409,11 @@ impl ChunkSolve<'_> {
                     status: record.status(),
                     has_others: record.has_others(),
                 });
-                words.extend(record.message().map(str::to_owned).or_else(|| record.choice()));
+                messages.extend(record.message().map(str::to_owned).or_else(|| record.choice()));
                 for (index, output) in outputs.iter().enumerate() {
                     // The limits of intervals have already been stored by `intervals`.
                     if output.interval().is_none() {
-                        put(index, record.value(output).unwrap_or(f64::NAN));
+                        store(index, record.value(output).unwrap_or(f64::NAN));
                     }
                 }
             }
@@ -435,13 +435,13 @@ impl ChunkSolve<'_> {
                     let indices = outputs.iter().enumerate();
                     let values =
                         indices.filter_map(|(index, output)| Some((index, numbers.value(output)?)));
-                    values.for_each(|(index, value)| put(index, value));
-                    words.extend(numbers.why().map(|why| format!("{}: {why}", kind.name())));
+                    values.for_each(|(index, value)| store(index, value));
+                    messages.extend(numbers.reason().map(|why| format!("{}: {why}", kind.name())));
                 }
                 Err(error) if !solves => return self.invalid(&error),
-                Err(error) => words.push(format!("{}: {error}", kind.name())),
+                Err(error) => messages.push(format!("{}: {error}", kind.name())),
             }
         }
-        (verdict, (!words.is_empty()).then(|| words.join("; ")))
+        (verdict, (!messages.is_empty()).then(|| messages.join("; ")))
     }
 }

@@ -51,7 +51,7 @@ pub trait PointSet: Send {
     fn count(&self) -> u64;
 
     /// Appends the values of the input with the given index to `to`, for the given rows.
-    fn fill(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>);
+    fn append_values(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>);
 }
 
 impl PointSet for Grid {
@@ -63,10 +63,10 @@ impl PointSet for Grid {
         self.len() as u64
     }
 
-    fn fill(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>) {
+    fn append_values(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>) {
         let [start, end] =
             [rows.start, rows.end].map(|row| usize::try_from(row).unwrap_or(usize::MAX));
-        Self::fill(self, index, start..end, to);
+        Self::append_values(self, index, start..end, to);
     }
 }
 
@@ -104,7 +104,7 @@ impl<P: PointSet> Source for PointSource<P> {
         let rows = before..self.at;
         let len = usize::try_from(rows.end - rows.start).unwrap_or(usize::MAX);
         Ok(Chunk::of_numbers(first, len, &self.columns, |index, values| {
-            self.points.fill(index, rows.clone(), values);
+            self.points.append_values(index, rows.clone(), values);
         }))
     }
 

@@ -18,7 +18,7 @@ use crate::{AnswerSink, CsvSource, JsonSource, Source, TableError, TableFormat};
 
 /// Key in the metadata of a Parquet table. Its value is JSON that describes how the table was
 /// calculated.
-pub const ABOUT: &str = "bsm";
+pub const METADATA_KEY: &str = "bsm";
 
 /// File format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -190,13 +190,15 @@ impl<W: Write + Send> TableSink<W> {
     /// Writes the remaining rows and the end of the table, and returns the underlying writer.
     ///
     /// * `about`: description of how the table was calculated. It is stored in the metadata of a
-    ///   Parquet file with the key [`ABOUT`].
+    ///   Parquet file with the key [`METADATA_KEY`].
     ///
     /// # Errors
     ///
     /// Returns [`TableError`] if the end of the table cannot be written.
     pub fn finish(self, about: Option<&str>) -> Result<W, TableError> {
-        self.finish_with(|_| about.map(|text| (ABOUT, text.to_owned())).into_iter().collect())
+        self.finish_with(|_| {
+            about.map(|text| (METADATA_KEY, text.to_owned())).into_iter().collect()
+        })
     }
 
     /// Finishes a table like [`finish`](Self::finish), but writes several metadata keys to a

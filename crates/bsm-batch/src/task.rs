@@ -28,7 +28,7 @@ pub struct Task {
 /// Divides the requested outputs into two lists. The first list contains the outputs that are not
 /// input columns of the table, and the second list contains the outputs that are also input
 /// columns, such as a temperature.
-fn besides(
+fn split_off_input_columns(
     outputs: Vec<&'static Output>,
     inputs: InputSet,
 ) -> (Vec<&'static Output>, Vec<&'static Output>) {
@@ -96,17 +96,17 @@ impl Task {
 
     /// Selects a single model for all rows and outputs if an output depends on the motion of the
     /// ball.
-    fn of_motion(mut self, given: InputSet) -> Self {
+    fn with_one_model_for_motion(mut self, given: InputSet) -> Self {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         if outputs.any(|output| output.analysis().is_some_and(AnalysisKind::needs_motion)) {
-            self.settings.model = self.settings.model.of_motion(given);
+            self.settings.model = self.settings.model.for_motion(given);
         }
         self
     }
 
     /// Returns this task if all outputs can be calculated with the model `model` for points with
     /// the inputs `given`.
-    fn checked(self, given: InputSet, model: ModelChoice) -> Result<Self, CaseError> {
+    fn check_outputs(self, given: InputSet, model: ModelChoice) -> Result<Self, CaseError> {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         outputs.try_for_each(|output| output.check(&self.base, given, model))?;
         Ok(self)
@@ -127,18 +127,18 @@ impl Task {
         watched: Option<&'static Output>,
         grid: &Grid,
     ) -> Result<Self, CaseError> {
-        let (outputs, _) = besides(outputs, grid.varied());
+        let (outputs, _) = split_off_input_columns(outputs, grid.varied());
         let task = Self { watched, ..Self::new(base, settings, outputs) };
         let task = task.with_groove(grid.varied())?;
         let given = task.base.stated_over(grid.varied());
-        let mut task = task.of_motion(given);
+        let mut task = task.with_one_model_for_motion(given);
         if task.solves() {
             task.settings.model = grid.choose(&task.base, task.settings.model)?;
         } else {
             grid.check(&task.base)?;
         }
         let model = task.settings.model;
-        task.checked(given, model)
+        task.check_outputs(given, model)
     }
 
     /// Returns a task that solves the rows of a table. Each required input must be in the base case
@@ -154,14 +154,14 @@ impl Task {
         outputs: Vec<&'static Output>,
         columns: &Columns,
     ) -> Result<Self, CaseError> {
-        let (outputs, filled) = besides(outputs, columns.set());
+        let (outputs, filled) = split_off_input_columns(outputs, columns.set());
         let task = Self { filled, ..Self::new(base, settings, outputs) };
         let task = task.with_groove(columns.set())?;
         let estimated = task.base.stated_over(columns.set());
-        let given = task.base.stated().and(columns.set()).and(estimated);
-        let task = task.of_motion(given);
+        let given = task.base.stated().union(columns.set()).union(estimated);
+        let task = task.with_one_model_for_motion(given);
         let model = task.settings.model;
         let model = if task.solves() { model.resolve(given, |_| Ok(()))? } else { model };
-        task.checked(given, model)
+        task.check_outputs(given, model)
     }
 }

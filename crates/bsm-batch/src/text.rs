@@ -96,7 +96,7 @@ impl<R: Read + Send> Source for CsvSource<R> {
                 let is_row = is_text && !line.is_empty() || line.contains(&(*delimiter as u8));
                 !is_row && line.trim_ascii().is_empty()
             };
-            let Some(row) = lines.next_but(is_blank)? else { break };
+            let Some(row) = lines.next_line_where_blank(is_blank)? else { break };
             text_bytes += row.len();
             let found = split(row, *delimiter, line, |index, cell| match targets.get(index) {
                 Some(CellTarget::Input(input)) => chunk.input(*input, &parse(&cell, *decimal)),
@@ -184,10 +184,10 @@ impl<R: Read + Send> Source for JsonSource<R> {
             }
             // An output of an earlier run may have the same name as an input. A key with such a
             // name is read as an input only if it occurs in the first line.
-            let passed_over = |name: &String| {
+            let is_ignored = |name: &String| {
                 columns.unread.contains(name) || is_answer(name) && InputKey::in_unit(name).is_err()
             };
-            if let Some(name) = object.keys().find(|name| !passed_over(name)) {
+            if let Some(name) = object.keys().find(|name| !is_ignored(name)) {
                 let (line, name) = (lines.number(), brief(name));
                 let message = format!("line {line}: key `{name}` is not in the first line");
                 return Err(TableError::Malformed(message));

@@ -12,7 +12,7 @@ pub(crate) mod fit;
 pub(crate) mod groove;
 pub(crate) mod jam;
 pub(crate) mod manufacturers;
-pub(crate) mod moving;
+pub(crate) mod motion;
 pub(crate) mod nut;
 pub(crate) mod offers;
 pub(crate) mod optimum;

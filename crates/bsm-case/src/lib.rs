@@ -36,16 +36,16 @@ mod vocabulary;
 pub use answers::analysis::table;
 pub use answers::axis::{AxisReport, Order, ScrewTorque, sheet_columns, torque_parts};
 pub use answers::calibration::{
-    Calibration, CalibrationReport, HeldInput, MeasurementError, NoFit,
+    Calibration, CalibrationReport, InputAtLimit, MeasurementError, NoFit,
 };
 pub use answers::comparison::comparison;
 pub use answers::design::{DesignReport, DesignRow};
 pub use answers::ellipses::EllipseFields;
 pub use answers::fit::{Fit, FitReport, FitValue, FittedInput, Measurement};
-pub use answers::groove::over_grooves;
+pub use answers::groove::with_groove_intervals;
 pub use answers::jam::jam;
 pub use answers::manufacturers::{ListNumber, ManufacturerNut, ManufacturerRow, TableColumn};
-pub use answers::moving::MotionAnswer;
+pub use answers::motion::MotionAnswer;
 pub use answers::nut::{Columns, NutReport};
 pub use answers::offers::compare_offers;
 pub use answers::optimum::optimum;
@@ -69,20 +69,21 @@ pub use case::nut::NutProblem;
 pub use case::problem::{ModelChoice, PLAY, Settings};
 pub use case::requirement::{REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile};
 pub use vocabulary::answer::{
-    Answer, Column, Content, Criterion, NotGiven, Section, Table, Verdict,
+    Answer, Column, Content, Criterion, MissingInput, Section, Table, Verdict,
 };
 pub use vocabulary::cells::decimal_number;
 pub use vocabulary::column_values::ColumnValues;
 pub use vocabulary::display::{DisplayUnit, DisplayUnits, ShownColumn};
 pub use vocabulary::entries::{CaseEntries, Choice};
-pub use vocabulary::error::{CaseError, Known, brief, printable};
+pub use vocabulary::error::{CaseError, NameKind, brief, printable};
 pub use vocabulary::input::{Case, INPUTS, InputKey, MAX_EXACT_INTEGER, Rule};
-pub use vocabulary::input_set::{InputSet, following};
+pub use vocabulary::input_set::{InputSet, derived_input};
 pub use vocabulary::lines::{Lines, OtherSeparator, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;
 pub use vocabulary::names::{GivenNames, entries, json_value_of, nearest_input};
 pub use vocabulary::number::{
-    digits, exact, interval, number, short, trimmed, with_interval, write_exact,
+    format_digits, format_exact, format_interval, format_number, format_short, format_trimmed,
+    format_with_interval, write_exact,
 };
 pub use vocabulary::output::{OUTPUTS, Output, SolutionOutput, store_outputs};
 pub use vocabulary::phase::PhaseEntry;

@@ -7,7 +7,7 @@ use bsm_report::Figure;
 use serde_json::{Map, Value};
 
 use crate::args::OutArgs;
-use crate::failure::{Failure, warn};
+use crate::failure::{Failure, print_message};
 use crate::files::{self, InputFiles, ending_of, is_stdout, pretty_json, print, write_bytes};
 use crate::table;
 
@@ -106,7 +106,7 @@ impl Reply<'_> {
     }
 
     /// Prints the answer and writes the requested files and pictures.
-    pub(crate) fn give(
+    pub(crate) fn deliver(
         self,
         Destination { out: to, inputs }: &Destination<'_>,
         draw: impl FnOnce() -> Result<Pictures, Failure>,
@@ -114,7 +114,7 @@ impl Reply<'_> {
         let mut printed = Vec::new();
         for warning in self.parts.iter().flat_map(|(_, part)| &part.warnings) {
             if !printed.contains(&warning) {
-                warn("warning", warning);
+                print_message("warning", warning);
                 printed.push(warning);
             }
         }
@@ -165,7 +165,7 @@ impl Reply<'_> {
         // JSON lists and tables cannot contain notes, so the notes are printed to standard error.
         if to.json && json.is_array() || !to.json && has_stdout {
             for note in self.parts.iter().flat_map(|(_, part)| &part.notes) {
-                warn("note", note);
+                print_message("note", note);
             }
         }
         if to.json {

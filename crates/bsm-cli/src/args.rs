@@ -60,7 +60,7 @@ pub(crate) fn command() -> clap::Command {
                 .mut_arg("figures", |arg| arg.help(figures))
         });
     }
-    let models = PossibleValuesParser::new(ModelChoice::names().chain([ALL]));
+    let models = PossibleValuesParser::new(ModelChoice::names().chain([ALL_MODELS]));
     command
         .mut_subcommand("solve", |solve| solve.mut_arg("model", |model| model.value_parser(models)))
 }
@@ -242,7 +242,7 @@ pub(crate) struct ModelArgs {
 }
 
 /// Value of `--model` that compares all models.
-pub(crate) const ALL: &str = "all";
+pub(crate) const ALL_MODELS: &str = "all";
 
 impl ModelArgs {
     /// Returns the model settings that the options specify.
@@ -500,7 +500,7 @@ pub(crate) struct NutArgs {
     pub(crate) show: NutTable,
     /// Solve N nuts with random ball diameters (ball_deviation_sd_um) and phases of lead_error, and
     /// print quantiles of the results.
-    #[arg(long, value_name = "N", value_parser = count, conflicts_with = "figures")]
+    #[arg(long, value_name = "N", value_parser = parse_whole_number, conflicts_with = "figures")]
     pub(crate) samples: Option<u64>,
     /// Seed of the samples. Defaults to the seed of the case.
     #[arg(long, value_name = "S", requires = "samples")]
@@ -648,7 +648,7 @@ pub(crate) struct SweepArgs {
     )]
     pub(crate) draw: Vec<String>,
     /// Number of random points.
-    #[arg(long, value_name = "N", requires = "draw", value_parser = count, help_heading = "Points")]
+    #[arg(long, value_name = "N", requires = "draw", value_parser = parse_whole_number, help_heading = "Points")]
     pub(crate) samples: Option<u64>,
     /// Seed of the random points.
     #[arg(long, value_name = "S", requires = "draw", default_value_t = 0, help_heading = "Points")]
@@ -689,7 +689,7 @@ pub(crate) struct SweepArgs {
     #[arg(long, help_heading = "Run")]
     pub(crate) plan: bool,
     /// Number of rows in each part of a folder.
-    #[arg(long, value_name = "N", value_parser = rows, help_heading = "Run")]
+    #[arg(long, value_name = "N", value_parser = parse_rows, help_heading = "Run")]
     pub(crate) rows_per_part: Option<NonZeroU64>,
     #[command(flatten, next_help_heading = "Run")]
     pub(crate) work: WorkArgs,
@@ -713,8 +713,8 @@ pub(crate) struct RunArgs {
     pub(crate) folder: PathBuf,
     /// Parts to solve: I/N for every Nth part starting with I, so that N processes share all parts,
     /// or A:B for the parts A to B - 1. Defaults to all missing parts.
-    #[arg(long, value_name = "PARTS", value_parser = only)]
-    pub(crate) only: Option<Only>,
+    #[arg(long, value_name = "PARTS", value_parser = parse_parts)]
+    pub(crate) only: Option<PartSelection>,
     /// Verify all bytes of existing parts, solve damaged parts again and rewrite parts.parquet.
     #[arg(long)]
     pub(crate) repair: bool,
@@ -727,7 +727,7 @@ pub(crate) struct RunArgs {
 
 /// A selection of parts of a dataset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Only {
+pub(crate) enum PartSelection {
     /// `K/N`: selects every part whose number modulo N is K.
     Share(u64, NonZeroU64),
     /// Selects the parts from the first number up to, but not including, the second number.
@@ -735,7 +735,7 @@ pub(crate) enum Only {
 }
 
 /// Parses a nonnegative whole number such as 5000 or 5e7.
-fn count(text: &str) -> Result<u64, String> {
+fn parse_whole_number(text: &str) -> Result<u64, String> {
     let whole = |number: &f64| number.fract() == 0.0 && (0.0..=MAX_EXACT_INTEGER).contains(number);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
     let of_float = || Some(text.parse::<f64>().ok().filter(whole)? as u64);
@@ -744,22 +744,22 @@ fn count(text: &str) -> Result<u64, String> {
 }
 
 /// Parses a number of rows and checks that it is at least 1.
-fn rows(text: &str) -> Result<NonZeroU64, String> {
-    NonZeroU64::new(count(text)?).ok_or_else(|| "must be at least 1".to_owned())
+fn parse_rows(text: &str) -> Result<NonZeroU64, String> {
+    NonZeroU64::new(parse_whole_number(text)?).ok_or_else(|| "must be at least 1".to_owned())
 }
 
 /// Parses two values that are separated by the character `between`.
-fn two<A: FromStr, B: FromStr>(text: &str, between: char) -> Option<(A, B)> {
+fn parse_pair<A: FromStr, B: FromStr>(text: &str, between: char) -> Option<(A, B)> {
     let (one, other) = text.split_once(between)?;
     Some((one.parse().ok()?, other.parse().ok()?))
 }
 
 /// Parses a selection of parts: `I/N` or `A:B`.
-fn only(text: &str) -> Result<Only, String> {
-    let share = two(text, '/').filter(|(index, of): &(u64, NonZeroU64)| *index < of.get());
-    let range = two(text, ':').filter(|(from, to)| from < to);
-    let share = share.map(|(index, of)| Only::Share(index, of));
-    share.or(range.map(|(from, to)| Only::Range(from, to))).ok_or_else(|| {
+fn parse_parts(text: &str) -> Result<PartSelection, String> {
+    let share = parse_pair(text, '/').filter(|(index, of): &(u64, NonZeroU64)| *index < of.get());
+    let range = parse_pair(text, ':').filter(|(from, to)| from < to);
+    let share = share.map(|(index, of)| PartSelection::Share(index, of));
+    share.or(range.map(|(from, to)| PartSelection::Range(from, to))).ok_or_else(|| {
         "must be I/N with I from 0 to N - 1, such as 0/100, or A:B, such as 0:100 for parts 0 to 99".to_owned()
     })
 }

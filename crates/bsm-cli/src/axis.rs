@@ -11,7 +11,7 @@ use crate::answer::{Pictures, Reply};
 use crate::args::AxisArgs;
 use crate::failure::Failure;
 use crate::files::{self, InputFiles, MAX_TABLE_BYTES, ending_of, read};
-use crate::progress::waiting;
+use crate::progress::show_spinner;
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let names = args.table.names.as_deref();
@@ -29,7 +29,7 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
         let names = names.each_ref().map(String::as_str);
         let page = || -> Result<_, Failure> { Ok(Some(offers_page(&answer, names, units)?)) };
         let reply = Reply { units, ..Reply::of(answer.clone()) };
-        return reply.give(&to, || Ok(Pictures { page: page()?, ..Pictures::default() }));
+        return reply.deliver(&to, || Ok(Pictures { page: page()?, ..Pictures::default() }));
     }
     let answer = report.answer.clone().with("program", Content::Json(PROGRAM.into()));
     // The drawing shows the groove profiles, so the groove geometry of the case must be known.
@@ -40,14 +40,14 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let table =
         |path: &Path| files::write(path, &size_table(&report, &args.table.output_format())?);
     let draw = || {
-        let line = waiting("drawing the figures");
+        let line = show_spinner("drawing the figures");
         let figures = size_figures(&report);
         drop(line);
         let page = Some(size_page(&report, &figures, args.case.hash().as_deref())?);
         Ok(Pictures { figures, page, drawing: drawing.ok() })
     };
     let reply = Reply { table: Some(Box::new(table)), ..Reply::about(&report.case, answer) };
-    reply.give(&to, draw)
+    reply.deliver(&to, draw)
 }
 
 /// Analyzes the feed axis of a case. If `--cycle` names a table, the load cycle in this table
@@ -64,7 +64,7 @@ fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Fa
         args.table.only_with("--cycle")?;
     }
     let settings = args.model.settings()?;
-    let line = waiting("calculating the axis");
+    let line = show_spinner("calculating the axis");
     let report = AxisReport::of(&case, &settings);
     drop(line);
     report.map_err(|error| Failure::case(path, &error))

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use bsm_batch::TableError;
-use bsm_case::{CaseError, InputSet, Known, OtherSeparator, brief, printable};
+use bsm_case::{CaseError, InputSet, NameKind, OtherSeparator, brief, printable};
 use bsm_report::ReportError;
 #[cfg(feature = "validate")]
 use bsm_validate::ValidateError;
@@ -32,7 +32,7 @@ pub(crate) enum Failure {
     #[error("{0}")]
     Check(String),
     /// A table of points contains an error.
-    #[error("{}", of_table(.0))]
+    #[error("{}", table_error_text(.0))]
     Table(#[from] TableError),
     /// The program that reads standard output has closed the pipe, so this program ends.
     #[error("closed pipe")]
@@ -48,13 +48,13 @@ impl Failure {
         if let CaseError::NoWarmState(_) = error {
             return Self::Check(error.to_string());
         }
-        Self::in_case(path, &of_input(error))
+        Self::in_case(path, &input_error_text(error))
     }
 
     /// Reports an error in an option or a file. The message begins with `of`, the name of the
     /// option or file.
     pub(crate) fn input(of: impl Display, error: &CaseError) -> Self {
-        Self::Input(format!("{of}: {}", of_input(error)))
+        Self::Input(format!("{of}: {}", input_error_text(error)))
     }
 
     /// Reports invalid input. The message begins with the name of the file.
@@ -70,13 +70,13 @@ impl Failure {
     /// Reports that a table cannot be read, because of the file system or because of its contents.
     pub(crate) fn table(path: &Path, error: &TableError) -> Self {
         match error {
-            TableError::Io(e) => Self::files("read", path, e),
-            other => Self::in_case(path, &of_table(other)),
+            TableError::Io(e) => Self::file_operation("read", path, e),
+            other => Self::in_case(path, &table_error_text(other)),
         }
     }
 
     /// Reports a failed file operation with its path and the message of the operating system.
-    pub(crate) fn files(doing: &str, path: &Path, error: &io::Error) -> Self {
+    pub(crate) fn file_operation(doing: &str, path: &Path, error: &io::Error) -> Self {
         let path = path.display();
         // The message omits the name of the temporary file, because users do not know this file.
         match error.get_ref().and_then(|inner| inner.source()) {
@@ -109,24 +109,24 @@ impl Failure {
             Self::Check(_) => 3,
             Self::Input(_) | Self::Table(_) => 2,
         };
-        warn("error", &self.to_string());
+        print_message("error", &self.to_string());
         ExitCode::from(code)
     }
 }
 
 /// Returns the message for an input error, followed by advice on a command or option.
-pub(crate) fn of_input(error: &CaseError) -> String {
+pub(crate) fn input_error_text(error: &CaseError) -> String {
     fn help(error: &CaseError) -> &'static str {
         match error {
-            CaseError::Unknown { known, .. } => match known {
-                Known::Input => "`bsm schema input` lists all keys",
-                Known::List => "`bsm select --show lists` prints all keys",
-                Known::Column => "`bsm select --show columns` lists all columns",
-                Known::TableColumn => {
+            CaseError::Unknown { kind, .. } => match kind {
+                NameKind::Input => "`bsm schema input` lists all keys",
+                NameKind::List => "`bsm select --show lists` prints all keys",
+                NameKind::Column => "`bsm select --show columns` lists all columns",
+                NameKind::TableColumn => {
                     "map your column names with --names MAP.json, a file such as {\"your name\": \"lead_mm\", \"other name\": null}"
                 }
-                Known::Requirement => "`bsm select --show keys` lists all keys",
-                Known::Output => "`bsm schema output` lists all outputs",
+                NameKind::Requirement => "`bsm select --show keys` lists all keys",
+                NameKind::Output => "`bsm schema output` lists all outputs",
             },
             CaseError::Separator(other) => delimiter_help(*other),
             CaseError::NoRange { .. } => "give a range with --input NAME=LOW:HIGH",
@@ -160,7 +160,7 @@ fn with_help(error: &str, help: &str) -> String {
 }
 
 /// Returns the message for a table error, followed by advice on a command or option.
-pub(crate) fn of_table(error: &TableError) -> String {
+pub(crate) fn table_error_text(error: &TableError) -> String {
     let help = match error {
         TableError::UnknownColumns { names } => {
             let it = if names.len() == 1 { "it" } else { "them" };
@@ -196,7 +196,7 @@ impl From<ValidateError> for Failure {
                 Self::Files(error.to_string())
             }
             ValidateError::NoReference => {
-                warn("error", &error.to_string());
+                print_message("error", &error.to_string());
                 Self::Unsolved
             }
             _ => Self::Input(error.to_string()),
@@ -217,11 +217,11 @@ pub(crate) fn usage(usage_error: &clap::Error) -> ExitCode {
 /// Prints a note about inputs of the case that no ball model uses.
 pub(crate) fn note_unused(given: InputSet) {
     for note in given.unused_by_models() {
-        warn("note", &note);
+        print_message("note", &note);
     }
 }
 
 /// Prints one message to standard error. A failed write is ignored because it cannot be reported.
-pub(crate) fn warn(kind: &str, text: &str) {
+pub(crate) fn print_message(kind: &str, text: &str) {
     let _ = writeln!(io::stderr(), "{kind}: {}", printable(text));
 }

@@ -13,7 +13,7 @@ use serde_json::Value;
 use tempfile::NamedTempFile;
 
 use crate::answer::Pictures;
-use crate::failure::{Failure, warn};
+use crate::failure::{Failure, print_message};
 use crate::unfinished;
 
 /// Prefix of temporary file names. The prefix is followed by part of the final name and by
@@ -60,7 +60,7 @@ pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     } else {
         (File::open(path).and_then(|file| file.take(most + 1).read_to_end(&mut bytes)), path)
     };
-    read.map_err(|e| Failure::files("read", shown, &e))?;
+    read.map_err(|e| Failure::file_operation("read", shown, &e))?;
     if bytes.len() as u64 > most {
         let text = format!("is larger than {} MiB, the limit for this kind of file", most >> 20);
         return Err(Failure::in_case(path, &text));
@@ -160,7 +160,7 @@ impl OutputFile {
             Ok(found) if found.is_dir() => return Err(refused(path, "the path is a folder")),
             Ok(found) if !found.is_file() => {
                 let file = File::options().write(true).open(path);
-                let file = file.map_err(|e| Failure::files("write", path, &e))?;
+                let file = file.map_err(|e| Failure::file_operation("write", path, &e))?;
                 let stream = Box::new(BufWriter::new(file));
                 return Ok(Self::Stream { stream, path: path.to_owned() });
             }
@@ -173,7 +173,9 @@ impl OutputFile {
                 ));
             }
             // For a symbolic link, the file to which it points is replaced, and the link is kept.
-            Ok(_) => fs::canonicalize(path).map_err(|e| Failure::files("write", path, &e))?,
+            Ok(_) => {
+                fs::canonicalize(path).map_err(|e| Failure::file_operation("write", path, &e))?
+            }
             Err(_) if path.is_symlink() => {
                 return Err(refused(
                     path,
@@ -198,18 +200,18 @@ impl OutputFile {
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         }
         let file = unfinished::create_temporary(&mut || builder.tempfile_in(folder))
-            .map_err(|e| Failure::files("write in folder", folder, &e))?;
+            .map_err(|e| Failure::file_operation("write in folder", folder, &e))?;
         Ok(Self::File { file: BufWriter::new(file), path })
     }
 
     /// Returns the failure for an output that cannot be written.
     pub(crate) fn failure(path: &Path, error: &io::Error) -> Failure {
         if path.as_os_str() != "-" {
-            Failure::files("write", path, error)
+            Failure::file_operation("write", path, error)
         } else if error.kind() == ErrorKind::BrokenPipe {
             Failure::ClosedPipe
         } else {
-            Failure::files("write to", Path::new("standard output"), error)
+            Failure::file_operation("write to", Path::new("standard output"), error)
         }
     }
 
@@ -222,7 +224,7 @@ impl OutputFile {
                 let named = || -> io::Result<()> {
                     flushed?;
                     let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-                    take_over(file.as_file(), &path)?;
+                    copy_permissions(file.as_file(), &path)?;
                     file.as_file().sync_all()?;
                     let temporary = file.path().to_owned();
                     let mut held = unfinished::block_interrupts();
@@ -245,16 +247,16 @@ impl OutputFile {
 
 impl Write for OutputFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        noted(self.out().write(bytes))
+        record_size_limit(self.out().write(bytes))
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        noted(self.out().flush())
+        record_size_limit(self.out().flush())
     }
 }
 
 /// Sets [`FILE_TOO_LARGE`] if a write failed because the file would exceed the size limit.
-fn noted<T>(written: io::Result<T>) -> io::Result<T> {
+fn record_size_limit<T>(written: io::Result<T>) -> io::Result<T> {
     if written.as_ref().is_err_and(|e| e.kind() == ErrorKind::FileTooLarge) {
         FILE_TOO_LARGE.store(true, Ordering::Relaxed);
     }
@@ -263,7 +265,7 @@ fn noted<T>(written: io::Result<T>) -> io::Result<T> {
 
 /// Gives a new file the permissions, owner and group of the file that it replaces.
 #[cfg(unix)]
-fn take_over(file: &File, path: &Path) -> io::Result<()> {
+fn copy_permissions(file: &File, path: &Path) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
     let Ok(former) = fs::metadata(path) else { return Ok(()) };
     let new = file.metadata()?;
@@ -279,7 +281,7 @@ fn take_over(file: &File, path: &Path) -> io::Result<()> {
             "could not preserve the owner and group of {}; the file now belongs to you",
             path.display()
         );
-        warn("note", &kept);
+        print_message("note", &kept);
     }
     if new.mode() & 0o7777 != mode {
         file.set_permissions(fs::Permissions::from_mode(mode))?;
@@ -290,7 +292,7 @@ fn take_over(file: &File, path: &Path) -> io::Result<()> {
 /// Does nothing, because this operating system has no Unix permissions, owners and groups.
 #[cfg(not(unix))]
 #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
-fn take_over(_: &File, _: &Path) -> io::Result<()> {
+fn copy_permissions(_: &File, _: &Path) -> io::Result<()> {
     Ok(())
 }
 
@@ -361,7 +363,7 @@ pub(crate) fn write_bytes(mut out: OutputFile, path: &Path, bytes: &[u8]) -> Res
 
 /// Creates a folder and its parent folders.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    fs::create_dir_all(folder).map_err(|e| Failure::files("create folder", folder, &e))
+    fs::create_dir_all(folder).map_err(|e| Failure::file_operation("create folder", folder, &e))
 }
 
 /// Returns the paths and contents of the figure files to write into a folder: an SVG file and a
@@ -395,6 +397,6 @@ pub(crate) fn write_drawn(
         Some(_) => "report.html, results.json and figures/".to_owned(),
         None => format!("{count} figures (SVG and CSV)"),
     };
-    warn("note", &format!("wrote {what} in {folder}"));
+    print_message("note", &format!("wrote {what} in {folder}"));
     Ok(())
 }

@@ -6,13 +6,13 @@ use bsm_case::{
     Answer, Calibration, CalibrationReport, Case, CaseError, Fit, FittedInput, MeasurementError,
     NoFit, Settings,
 };
-use bsm_report::{Curve, Figure, PlotAxis, Stroke, number};
+use bsm_report::{Curve, Figure, PlotAxis, Stroke, format_number};
 
 use crate::answer::{Pictures, Reply};
 use crate::args::FitArgs;
-use crate::failure::{Failure, note_unused, of_input};
+use crate::failure::{Failure, input_error_text, note_unused};
 use crate::files::{self, InputFiles, MAX_TABLE_BYTES};
-use crate::progress::waiting;
+use crate::progress::show_spinner;
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let given = args.case.read_as_given()?;
@@ -30,7 +30,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     if args.points.is_none() {
         args.dialect.only_with("--points")?;
     }
-    let line = waiting("fitting");
+    let line = show_spinner("fitting");
     let (answer, figures) = match &args.points {
         Some(points) => {
             let (answer, figure) = to_table(args, points, &case, &settings)?;
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     };
     drop(line);
     Reply { units: case.display_units(), ..Reply::of(answer) }
-        .give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
+        .deliver(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// Finds all values of an input at which an output has its measured value or a rule reaches its
@@ -62,7 +62,7 @@ fn to_point(args: &FitArgs, case: &Case, settings: &Settings) -> Result<Answer, 
         }
         (None, measured) => Fit::parse(case, input, measured.as_deref().unwrap_or_default()),
     };
-    let fit = fit.map_err(|e| Failure::Input(of_input(&e)))?;
+    let fit = fit.map_err(|e| Failure::Input(input_error_text(&e)))?;
     if fit.solves_one_ball() {
         note_unused(case.given());
     }
@@ -87,12 +87,12 @@ fn to_table(
     let prepare = |case: &Case| Calibration::new(case, &inputs, measured, errors, &bytes, &format);
     let fit = prepare(case).map_err(usage)?;
     let report = fit.run(case, settings).map_err(usage)?.map_err(|none| {
-        let how = if none == NoFit::Lost { ", --input NAME=LOW:HIGH" } else { "" };
+        let how = if none == NoFit::NotConverged { ", --input NAME=LOW:HIGH" } else { "" };
         Failure::Check(format!("{none}{how}"))
     })?;
     let figure = figure(&fit, &report);
     let answer = fit.answer(case, &report);
-    Ok((Calibration::over_grooves(answer, case, settings, prepare), figure))
+    Ok((Calibration::with_groove_intervals(answer, case, settings, prepare), figure))
 }
 
 /// Plots fitted values against measured values, together with the line on which both are equal.
@@ -104,7 +104,7 @@ fn figure(fit: &Calibration, report: &CalibrationReport) -> Figure {
     let found: Vec<_> = fit
         .rows(report)
         .into_iter()
-        .map(|(name, value, _)| format!("{name} = {}", number(value)))
+        .map(|(name, value, _)| format!("{name} = {}", format_number(value)))
         .collect();
     let axis = |what: &str| PlotAxis::linear(&format!("{what} {}", fit.output()));
     Figure::new(

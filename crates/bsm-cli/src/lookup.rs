@@ -4,11 +4,11 @@
 use std::path::Path;
 
 use bsm_batch::{AnswerSink, Answers, Chunk, Count, GridSource, TableError, Task, Workers};
-use bsm_case::{Grid, GridAxis, Output, exact};
+use bsm_case::{Grid, GridAxis, Output, format_exact};
 
-use crate::failure::{Failure, warn};
+use crate::failure::{Failure, print_message};
 use crate::files;
-use crate::table_job::stopped;
+use crate::table_job::run_failure;
 
 /// Maximum number of points of a lookup table. All points must fit into memory, both here and in
 /// the drive model.
@@ -66,16 +66,16 @@ impl Lookup {
             return Err(refused(format!("a lookup table has at most {MAX_POINTS} points")));
         }
         let mut source = GridSource::new(grid.clone());
-        let columns = Columns(vec![Vec::with_capacity(grid.len()); task.outputs.len()]);
+        let columns = CollectedColumns(vec![Vec::with_capacity(grid.len()); task.outputs.len()]);
         let run = task.run(&mut source, columns, u64::MAX, workers, &mut |_, _| {});
-        let (Columns(columns), Count { rows, failed, .. }) =
-            run.map_err(|error| stopped(path, error))?;
+        let (CollectedColumns(columns), Count { rows, failed, .. }) =
+            run.map_err(|error| run_failure(path, error))?;
         if failed > 0 {
             let text = format!(
                 "{failed} of {rows} points have no result, but a lookup table must not have gaps; narrow the ranges, or write a \
                  .csv table, which states the reasons"
             );
-            warn("error", &text);
+            print_message("error", &text);
             return Err(Failure::Unsolved);
         }
         for (output, column) in task.outputs.iter().zip(&columns) {
@@ -95,9 +95,9 @@ impl Lookup {
 }
 
 /// Values of each output, collected chunk by chunk.
-struct Columns(Vec<Vec<f64>>);
+struct CollectedColumns(Vec<Vec<f64>>);
 
-impl AnswerSink for Columns {
+impl AnswerSink for CollectedColumns {
     fn write(&mut self, _: Chunk, answers: Answers) -> Result<(), TableError> {
         for (all, column) in self.0.iter_mut().zip(answers.columns) {
             all.extend(column);
@@ -108,7 +108,8 @@ impl AnswerSink for Columns {
 
 /// Formats rows of numbers as lines of text.
 fn lines(rows: impl Iterator<Item = Vec<f64>>, between: &str) -> String {
-    let line = |row: Vec<f64>| row.into_iter().map(exact).collect::<Vec<_>>().join(between) + "\n";
+    let line =
+        |row: Vec<f64>| row.into_iter().map(format_exact).collect::<Vec<_>>().join(between) + "\n";
     rows.map(line).collect()
 }
 

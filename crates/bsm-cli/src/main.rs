@@ -47,7 +47,7 @@ use crate::threads::on_threads;
 fn main() -> ExitCode {
     CompleteEnv::with_factory(args::command).complete();
     silence_caught_panics();
-    if let Err(error) = unfinished::prepare() {
+    if let Err(error) = unfinished::install_handlers() {
         return Failure::Files(format!("cannot handle signals: {error}")).report();
     }
     let matches = args::command().try_get_matches();

@@ -12,7 +12,7 @@ use crate::answer::{Pictures, Reply, WriteTable};
 use crate::args::{NutArgs, NutTable};
 use crate::failure::Failure;
 use crate::files::InputFiles;
-use crate::progress::waiting;
+use crate::progress::show_spinner;
 use crate::table_job::write_columns;
 
 pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
@@ -25,7 +25,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     };
     let to = args.out.check(endings, InputFiles::of([Some(args.case.path())]))?;
     let settings = args.model.settings()?;
-    let line = waiting("calculating all balls of the nut");
+    let line = show_spinner("calculating all balls of the nut");
     let problem = NutProblem::of(&case, &settings).map_err(in_file)?;
     let settings = problem.settings();
     let (mut figures, mut table) = (Vec::new(), None);
@@ -33,7 +33,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
         let samples = Samples::new(&problem, number, args.seed).map_err(in_file)?;
         let nuts: Vec<_> = (0..number).into_par_iter().map(|i| samples.solve(i)).collect();
         let answer = Samples::answer(&nuts, &case);
-        Samples::over_grooves(answer, &case, &settings, number, args.seed)
+        Samples::with_groove_intervals(answer, &case, &settings, number, args.seed)
     } else {
         let answer = match problem.solve() {
             Err(none) => NutProblem::unsolved(&case, &none),
@@ -52,17 +52,19 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
                 report.answer()
             }
         };
-        NutReport::over_grooves(answer, &case, &settings)
+        NutReport::with_groove_intervals(answer, &case, &settings)
     };
     drop(line);
-    let reply =
-        Reply { table: table.map(|table| columns(table, &case)), ..Reply::about(&case, answer) };
-    reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
+    let reply = Reply {
+        table: table.map(|table| table_writer(table, &case)),
+        ..Reply::about(&case, answer)
+    };
+    reply.deliver(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// Returns a function that writes the given columns together with the case from which they were
 /// calculated.
-pub(crate) fn columns(table: Columns, case: &Case) -> WriteTable<'_> {
+pub(crate) fn table_writer(table: Columns, case: &Case) -> WriteTable<'_> {
     Box::new(move |path| write(path, &table, case))
 }
 

@@ -12,35 +12,35 @@ use serde_json::{Value, json};
 
 use crate::answer::{Pictures, Reply, WriteTable};
 use crate::args::SelectArgs;
-use crate::failure::{Failure, warn};
+use crate::failure::{Failure, print_message};
 use crate::files;
-use crate::progress::waiting;
+use crate::progress::show_spinner;
 use crate::select::{Source, check, requirement};
 use crate::table;
 use crate::table_job::{TABLES, write_columns};
 
 /// Number of rows that are printed by default.
-const SHOWN: usize = 20;
+const MAX_PRINTED: usize = 20;
 
 /// Number of rows that are held in memory at a time.
 const PART: usize = 1 << 14;
 
 pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
     let to = check(args, &[&TABLES[..], &["json"]].concat())?;
-    let line = waiting("calculating the nuts of the list");
+    let line = show_spinner("calculating the nuts of the list");
     let list = list(args, source);
     drop(line);
     let (list, requirement) = list?;
     let requirement = requirement.as_ref();
     for note in requirement.into_iter().flat_map(RequirementFile::notes) {
-        warn("note", note);
+        print_message("note", note);
     }
     let first = list.chosen.first().map(|place| list.case(*place, requirement));
     let nut = first.and_then(|json| Case::from_json(json.to_string().as_bytes()).ok());
     let units = args.display(nut.as_ref());
-    if !list.why.is_empty() {
+    if !list.reasons.is_empty() {
         let none = Reply { case: Some(Value::Null), units, ..Reply::of(list.answer(0)) };
-        return none.give(&to, || Ok(Pictures::default()));
+        return none.deliver(&to, || Ok(Pictures::default()));
     }
     let figures = match (&args.out.figures, list.catalog()) {
         (None, _) => Vec::new(),
@@ -60,10 +60,10 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
         _ => None,
     };
     if let Some(text) = lacking.filter(|_| args.out.figures.is_some()) {
-        warn("note", text);
+        print_message("note", text);
     }
     if list.catalog().is_some() {
-        warn("note", &count(&list, args));
+        print_message("note", &count_note(&list, args));
     }
     let columns =
         list.select(args.columns.as_deref(), units).map_err(|e| Failure::input("--columns", &e))?;
@@ -75,14 +75,14 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
         write_columns(path, &columns, parts, &request(args)?, &args.table.output_format())
     };
     // The nuts in a manufacturer's table are few enough to print all of them.
-    let usual = if list.catalog().is_some() { SHOWN } else { usize::MAX };
+    let usual = if list.catalog().is_some() { MAX_PRINTED } else { usize::MAX };
     let answer = list.answer(first(usual));
     let shown = args.columns.is_some().then(|| list.answer_of(first(usual), &columns));
     let best = list.chosen.first().filter(|_| !answer.fails);
     let case = best.map(|place| list.case(*place, requirement));
     let (case, table) = (Some(case.into()), Some(Box::new(table) as WriteTable<'_>));
     Reply { case, table, units, shown, ..Reply::of(answer) }
-        .give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
+        .deliver(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// Selects nuts from a list, and reads the requirement that they must meet.
@@ -133,7 +133,7 @@ fn request(args: &SelectArgs) -> Result<Value, Failure> {
     }))
 }
 
-fn count(list: &NutList, args: &SelectArgs) -> String {
+fn count_note(list: &NutList, args: &SelectArgs) -> String {
     let all = match (args.requirement.is_some(), args.conditions.is_empty()) {
         (false, true) => None,
         (false, false) => Some("all conditions"),

@@ -12,11 +12,11 @@ use serde::Serialize;
 use serde_json::json;
 
 use crate::answer::{Pictures, Reply};
-use crate::args::{CheckArgs, Only, OutArgs, RunArgs};
-use crate::failure::{Failure, warn};
+use crate::args::{CheckArgs, OutArgs, PartSelection, RunArgs};
+use crate::failure::{Failure, print_message};
 use crate::files::{InputFiles, print};
 use crate::progress::progress;
-use crate::table_job::{failed, mend};
+use crate::table_job::{dataset_failure, repair_advice};
 use crate::unfinished;
 
 /// Number of rows above which the program advises against storing the results of a plan. Reading a
@@ -25,7 +25,8 @@ const MANY_ROWS: u64 = 10_000_000_000;
 
 /// Opens the dataset that is stored in a folder.
 pub(crate) fn open(folder: &Path) -> Result<Dataset, Failure> {
-    Dataset::open(folder, unfinished::create_temporary).map_err(|error| failed(folder, error))
+    Dataset::open(folder, unfinished::create_temporary)
+        .map_err(|error| dataset_failure(folder, error))
 }
 
 /// Solves the parts of a dataset that the command line requests.
@@ -35,14 +36,14 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     let task = parts.plan().task();
     let task = task.map_err(|why| Failure::in_case(&folder.join("plan.json"), &why.to_string()))?;
     let points = parts.points(args.points.as_deref(), workers);
-    let points = points.map_err(|error| failed(folder, error))?;
+    let points = points.map_err(|error| dataset_failure(folder, error))?;
     let all = parts.plan().parts();
     // With `--only I/N`, a process takes every Nth part, so that time-consuming regions of a grid
     // are shared by all processes.
     let ((from, to), (index, of)) = match args.only {
         None => ((0, all), (0, 1)),
-        Some(Only::Share(index, of)) => ((0, all), (index, of.get())),
-        Some(Only::Range(from, to)) => ((from, to), (0, 1)),
+        Some(PartSelection::Share(index, of)) => ((0, all), (index, of.get())),
+        Some(PartSelection::Range(from, to)) => ((from, to), (0, 1)),
     };
     if to > all {
         let text = format!("--only {from}:{to} is outside the parts 0:{all} of the plan");
@@ -62,13 +63,13 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     };
     let solved = parts.run_parts(&task, &points, mine(), args.repair, workers, &mut tell);
     bar.finish_and_clear();
-    let solved = solved.map_err(|error| failed(folder, error))?.len() - found;
-    parts.check_names().map_err(|error| failed(folder, error))?;
+    let solved = solved.map_err(|error| dataset_failure(folder, error))?.len() - found;
+    parts.check_names().map_err(|error| dataset_failure(folder, error))?;
     let folder = folder.display();
     let text = format!(
         "this run solved {solved} of {all} parts ({found} already finished); `bsm parts check {folder}` lists the missing parts"
     );
-    warn("note", &text);
+    print_message("note", &text);
     Ok(())
 }
 
@@ -93,18 +94,18 @@ pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     let how = format!(
         "solve the plan with `bsm parts run {folder}` on one or more machines, and then run `bsm parts check {folder}`"
     );
-    warn("note", &how);
+    print_message("note", &how);
     if plan.rows() > MANY_ROWS {
         let text = "solving so many rows again is cheaper than storing and reading them; for \
                     statistics, the Python package solves parts of this plan in memory \
                     (ballscrew.solve_part)";
-        warn("note", text);
+        print_message("note", text);
     }
     Ok(())
 }
 
 /// Maximum number of list entries to print.
-const SHOWN: usize = 20;
+const MAX_PRINTED: usize = 20;
 
 /// State of the parts of a dataset, in JSON.
 #[derive(Serialize, JsonSchema)]
@@ -144,11 +145,11 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     let folder = args.folder.as_path();
     let parts = open(folder)?;
     let plan = parts.plan();
-    let found = parts.survey(args.deep, workers).map_err(|error| failed(folder, error))?;
+    let found = parts.survey(args.deep, workers).map_err(|error| dataset_failure(folder, error))?;
     let (missing, there) = (found.missing(plan), found.parts.len() as u64);
     let is_complete = found.is_complete(plan);
     if is_complete {
-        parts.finish(&found.parts).map_err(|error| failed(folder, error))?;
+        parts.finish(&found.parts).map_err(|error| dataset_failure(folder, error))?;
     }
     let count = found.count();
     let text = |range: &Range<u64>| format!("{}:{}", range.start, range.end);
@@ -166,7 +167,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
         foreign: found.unknown_files.iter().map(|path| name(path)).collect(),
         rows: count.rows,
         failed: count.failed,
-        several: count.several,
+        several: count.with_other_solutions,
     };
     let what = if args.deep { "all bytes read" } else { "footers read; --deep reads all bytes" };
     let mut lines = vec![
@@ -180,7 +181,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     if found.other_plan().is_some() {
         lines.push("restore the plan.json of these parts, or use another folder".to_owned());
     } else if !found.damaged.is_empty() {
-        lines.push(mend(folder, &found.damaged));
+        lines.push(repair_advice(folder, &found.damaged));
     } else if !is_complete {
         lines.push(format!("`bsm parts run {}` solves the missing parts", folder.display()));
     }
@@ -188,13 +189,13 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
         .with("", Content::Json(json!(json)))
         .with_shown(Content::Text("", Some(lines.join("\n"))));
     let out = OutArgs { json: args.json, ..OutArgs::default() };
-    Reply::of(answer).give(&out.check(&[], InputFiles::default())?, || Ok(Pictures::default()))
+    Reply::of(answer).deliver(&out.check(&[], InputFiles::default())?, || Ok(Pictures::default()))
 }
 
 /// Appends the first few entries of a list to the lines.
 fn list(lines: &mut Vec<String>, what: &str, entries: Vec<String>) {
-    let more = entries.len().saturating_sub(SHOWN);
-    lines.extend(entries.into_iter().take(SHOWN).map(|entry| format!("{what}  {entry}")));
+    let more = entries.len().saturating_sub(MAX_PRINTED);
+    lines.extend(entries.into_iter().take(MAX_PRINTED).map(|entry| format!("{what}  {entry}")));
     if more > 0 {
         lines.push(format!("{what}  and {more} more; --json lists all"));
     }

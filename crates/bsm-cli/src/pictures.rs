@@ -2,7 +2,7 @@
 
 use bsm_batch::{Answers, Chunk, ColumnUnits};
 use bsm_case::units::label;
-use bsm_case::{DisplayUnit, Grid, GridAxis, Output, exact, trimmed};
+use bsm_case::{DisplayUnit, Grid, GridAxis, Output, format_exact, format_trimmed};
 use bsm_report::{Curve, Figure, MAX_CELLS, MAX_CURVES, Map, PlotAxis, ReportError, Stroke};
 
 use crate::failure::Failure;
@@ -38,7 +38,7 @@ pub(crate) trait Picture {
 }
 
 /// A plot with one curve for each value of the second axis.
-pub(crate) struct Curves {
+pub(crate) struct CurvePlot {
     output: &'static Output,
     units: ColumnUnits,
     x: PlotAxis,
@@ -51,7 +51,7 @@ pub(crate) struct Curves {
     changes: Vec<((f64, f64), [&'static str; 2])>,
 }
 
-impl Curves {
+impl CurvePlot {
     pub(crate) fn new(
         grid: &Grid,
         output: &'static Output,
@@ -86,7 +86,8 @@ impl Curves {
             let (words, unit) = (label(input.name, input.unit), units.of_input(axis.key));
             let words = words.split(',').next().unwrap_or_default();
             let value = axis.value(i);
-            let value = if unit.is_own() { exact(value) } else { trimmed(unit.value(value)) };
+            let value =
+                if unit.is_own() { format_exact(value) } else { format_trimmed(unit.value(value)) };
             format!("{words} {value} {}", unit.text).trim_end().to_owned()
         };
         let lines = (0..count)
@@ -106,7 +107,7 @@ impl Curves {
     }
 }
 
-impl Picture for Curves {
+impl Picture for CurvePlot {
     /// Adds points to the curves. A point without a result leaves a gap in its curve.
     fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
         let count = self.lines.len();
@@ -147,7 +148,7 @@ impl Picture for Curves {
 
 /// The cells of a map. If an axis has more values than a map can show, only evenly spaced values
 /// are drawn.
-pub(crate) struct Cells {
+pub(crate) struct MapPlot {
     output: &'static Output,
     units: ColumnUnits,
     axes: [PlotAxis; 2],
@@ -162,7 +163,7 @@ pub(crate) struct Cells {
     models: Vec<&'static str>,
 }
 
-impl Cells {
+impl MapPlot {
     pub(crate) fn new(
         grid: &Grid,
         output: &'static Output,
@@ -196,7 +197,7 @@ impl Cells {
     }
 }
 
-impl Picture for Cells {
+impl Picture for MapPlot {
     fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
         let first = usize::try_from(chunk.first - 1).unwrap_or(usize::MAX);
         for (row, value) in values.iter().enumerate() {

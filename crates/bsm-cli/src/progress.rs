@@ -29,10 +29,10 @@ pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressB
 }
 
 /// Time after which a running calculation shows a spinner.
-const PATIENCE: Duration = Duration::from_secs(1);
+const SPINNER_DELAY: Duration = Duration::from_secs(1);
 
 /// Handle of the spinner of a running calculation. Dropping the handle removes the spinner.
-pub(crate) struct Waiting {
+pub(crate) struct Spinner {
     end: Option<Sender<()>>,
     shown: Option<JoinHandle<()>>,
 }
@@ -40,17 +40,17 @@ pub(crate) struct Waiting {
 /// Shows a spinner with the elapsed time on a terminal if a calculation takes longer than a second.
 ///
 /// * `what`: description of the calculation, which is shown next to the spinner.
-pub(crate) fn waiting(what: &'static str) -> Waiting {
+pub(crate) fn show_spinner(what: &'static str) -> Spinner {
     if !io::stderr().is_terminal() {
-        return Waiting { end: None, shown: None };
+        return Spinner { end: None, shown: None };
     }
     let (end, ended) = channel();
     let show = move || {
-        if ended.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+        if ended.recv_timeout(SPINNER_DELAY) == Err(RecvTimeoutError::Timeout) {
             let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
             let style = style.unwrap_or_else(|_| ProgressStyle::default_spinner());
             let bar = ProgressBar::new_spinner().with_style(style).with_message(what);
-            let bar = bar.with_elapsed(PATIENCE);
+            let bar = bar.with_elapsed(SPINNER_DELAY);
             bar.enable_steady_tick(Duration::from_millis(100));
             // `recv` returns an error when the calculation ends and its sender is dropped.
             let _ = ended.recv();
@@ -58,10 +58,10 @@ pub(crate) fn waiting(what: &'static str) -> Waiting {
         }
     };
     // If no thread can be started, the calculation runs without showing a spinner.
-    Waiting { end: Some(end), shown: thread::Builder::new().spawn(show).ok() }
+    Spinner { end: Some(end), shown: thread::Builder::new().spawn(show).ok() }
 }
 
-impl Drop for Waiting {
+impl Drop for Spinner {
     fn drop(&mut self) {
         self.end.take();
         if let Some(shown) = self.shown.take() {

@@ -17,7 +17,7 @@ use crate::parts::PartsJson;
 use crate::tradeoff::TradeoffJson;
 
 /// Schemas of the answers that are not calculated from a single case.
-const OTHERS: &[AnswerSchema] = &[
+const OTHER_SCHEMAS: &[AnswerSchema] = &[
     #[cfg(feature = "parquet")]
     AnswerSchema::of("parts", "parts check", || vec![ObjectSchema::answer::<PartsJson>().json()]),
     #[cfg(feature = "validate")]
@@ -32,7 +32,7 @@ const OTHERS: &[AnswerSchema] = &[
 
 /// Returns the schemas of all answers.
 fn answers() -> impl Iterator<Item = &'static AnswerSchema> {
-    AnswerSchema::ALL.iter().chain(OTHERS)
+    AnswerSchema::ALL.iter().chain(OTHER_SCHEMAS)
 }
 
 /// Returns the names of all JSON Schemas.

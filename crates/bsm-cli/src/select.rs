@@ -10,9 +10,9 @@ use bsm_case::{
 
 use crate::answer::{Destination, Pictures, Reply, WriteTable};
 use crate::args::{SelectArgs, SelectShow};
-use crate::failure::{Failure, warn};
+use crate::failure::{Failure, print_message};
 use crate::files::{InputFiles, MAX_TABLE_BYTES, ending_of, print, read, read_json};
-use crate::progress::waiting;
+use crate::progress::show_spinner;
 use crate::table_job::write_rows;
 use crate::{nuts, table};
 
@@ -22,7 +22,7 @@ pub(crate) const STANDARD: &str = "standard";
 pub(crate) const MANUFACTURERS: &str = "manufacturers";
 
 /// Hint that suggests the standard lists as an alternative source of sizes.
-const OTHERS: &str = "--from standard searches every combination of the standard lists";
+const STANDARD_HINT: &str = "--from standard searches every combination of the standard lists";
 
 /// Sizes or nuts that `--from` specifies: a list of sizes (by default, manufacturers' sizes), or
 /// the nuts in a manufacturer's table.
@@ -104,13 +104,13 @@ pub(crate) fn requirement(
 fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
     let to = check(args, &["json", "csv", "xlsx"])?;
     let Some(requirement) = requirement(args, sizes)? else { return Ok(()) };
-    let line = waiting("searching for the best screw");
+    let line = show_spinner("searching for the best screw");
     let of_sizes = if args.free { None } else { DesignReport::standard(&requirement, sizes) };
     if of_sizes.is_none() && !args.free {
-        warn(
+        print_message(
             "note",
             &format!(
-                "none of these sizes has the values that the requirement fixes, so continuous sizes are searched as with --free; {OTHERS}"
+                "none of these sizes has the values that the requirement fixes, so continuous sizes are searched as with --free; {STANDARD_HINT}"
             ),
         );
     }
@@ -133,7 +133,7 @@ fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
     let table = (!rows.is_empty()).then(|| Box::new(table) as WriteTable<'_>);
     let found = report.found.then(|| case.clone());
     let reply = Reply { table, case: Some(found.into()), units, ..Reply::of(answer) };
-    reply.give(&to, || Ok(Pictures::default()))
+    reply.deliver(&to, || Ok(Pictures::default()))
 }
 
 /// Returns a text that describes the keys of a requirement.

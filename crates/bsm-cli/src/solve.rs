@@ -12,11 +12,11 @@ use bsm_report::sheets::Study;
 use bsm_report::{Figure, PROGRAM, ReportError};
 
 use crate::answer::{Pictures, Reply, WriteTable};
-use crate::args::{ALL, Show, SolveArgs};
+use crate::args::{ALL_MODELS, Show, SolveArgs};
 use crate::failure::Failure;
 use crate::files::InputFiles;
-use crate::nut::columns;
-use crate::progress::waiting;
+use crate::nut::table_writer;
+use crate::progress::show_spinner;
 use crate::table_job::write_rows;
 
 /// Sections of the answer, with the names of their JSON members if several sections are requested.
@@ -61,20 +61,20 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         let text = "--figures draws only the results of --show slip, jam and optimum";
         return Err(Failure::Input(text.to_owned()));
     }
-    if args.model.model == ALL {
+    if args.model.model == ALL_MODELS {
         if !args.show.is_empty() || args.model.has_settings() {
             let text = "--model all compares the motion in all models and cannot be combined with --show or with model settings";
             return Err(Failure::Input(text.to_owned()));
         }
         let answer = comparison(&case).map_err(args.case.failure())?;
-        return Reply::about(&case, answer).give(&to, || Ok(Pictures::default()));
+        return Reply::about(&case, answer).deliver(&to, || Ok(Pictures::default()));
     }
     let mut settings = args.model.settings()?;
     // All requested sections describe the same motion, so they must use the same model.
     if shown.iter().any(|part| matches!(part, Show::Slip | Show::Ellipses | Show::Jam)) {
-        settings.model = settings.model.of_motion(case.stated());
+        settings.model = settings.model.for_motion(case.stated());
     }
-    let line = waiting("solving");
+    let line = show_spinner("solving");
     let mut figures = Vec::new();
     let mut parts = Vec::new();
     let mut table = None;
@@ -91,8 +91,8 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
             Show::Optimum => optimum(args, &case, &settings, drawn)?,
             Show::Ratings | Show::Steps => ratings(args, &case)?,
         };
-        let possible = |possible: &Case| again(part, args, possible, &settings);
-        parts.push((name, answer.over_grooves(&case, DRAWS, possible)));
+        let possible = |possible: &Case| recalculate_section(part, args, possible, &settings);
+        parts.push((name, answer.with_groove_intervals(&case, DRAWS, possible)));
     }
     drop(line);
     let of_ratings = parts.iter().filter(|_| has_rows).flat_map(|(_, ratings)| ratings.entries());
@@ -103,20 +103,25 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         table = Some(Box::new(move |path: &Path| write_rows(path, &rows, units, &about)));
     }
     let reply = Reply { parts, table, ..Reply::about(&case, Answer::default()) };
-    reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
+    reply.deliver(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// Recalculates a section of the answer for another groove that is consistent with the inputs.
 /// Returns `None` if there is no solution.
-fn again(part: Show, args: &SolveArgs, case: &Case, settings: &Settings) -> Option<Answer> {
+fn recalculate_section(
+    part: Show,
+    args: &SolveArgs,
+    case: &Case,
+    settings: &Settings,
+) -> Option<Answer> {
     let solution = || {
         let solution = case.problem(settings).ok()?.solve(&mut ModelWorkspace::default());
         (solution.status() == Status::Converged).then_some(solution)
     };
     match part {
         Show::Motion | Show::Band | Show::Sensitivities => {
-            let beside = Supplement { parts: true, ..Supplement::default() };
-            Some(Record::new(solution()?).answer(PROGRAM, case, settings, &beside))
+            let supplement = Supplement { parts: true, ..Supplement::default() };
+            Some(Record::new(solution()?).answer(PROGRAM, case, settings, &supplement))
         }
         Show::Slip => slip(case, settings, &solution()?).ok(),
         Show::Jam => jam(case, &solution()?).ok(),
@@ -150,27 +155,32 @@ fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, 
         }
     }
     let lacks = args.show.contains(&Show::Sensitivities) && sensitivities.is_none();
-    let mut answer =
-        point(args, case, settings, solution, &Supplement { band, parts: true, sensitivities })?;
+    let mut answer = model_answer(
+        args,
+        case,
+        settings,
+        solution,
+        &Supplement { band, parts: true, sensitivities },
+    )?;
     answer.notes.splice(0..0, notes);
     answer.fails |= lacks;
     Ok(answer)
 }
 
 /// Returns the results of the motion, or the reason why the motion has no solution.
-fn point(
+fn model_answer(
     args: &SolveArgs,
     case: &Case,
     settings: &Settings,
     solution: Solution,
-    beside: &Supplement,
+    supplement: &Supplement,
 ) -> Result<Answer, Failure> {
     let record = Record::new(solution);
     if record.status() == Status::InvalidInput {
         let text = record.message().unwrap_or("the model does not accept the inputs");
         return Err(Failure::in_case(args.case.path(), text));
     }
-    Ok(record.answer(PROGRAM, case, settings, beside))
+    Ok(record.answer(PROGRAM, case, settings, supplement))
 }
 
 /// Runs the slip or jamming analysis of the solved motion, and the sweeps for its figures.
@@ -182,7 +192,7 @@ fn analysis(
     report: impl Fn(&Case, &Settings, &Solution) -> Result<Answer, CaseError>,
     study: impl Fn(&Case, &Settings, &Solution) -> Result<Study, ReportError>,
 ) -> Result<Answer, Failure> {
-    of_motion(args, case, settings, |solution| {
+    motion_answer(args, case, settings, |solution| {
         let answer = report(case, settings, solution).map_err(args.case.failure())?;
         if let Some(figures) = figures {
             let units = case.display_units();
@@ -194,7 +204,7 @@ fn analysis(
 }
 
 /// Runs an analysis of the ball motion. If the motion has no solution, returns the reason.
-fn of_motion(
+fn motion_answer(
     args: &SolveArgs,
     case: &Case,
     settings: &Settings,
@@ -203,7 +213,7 @@ fn of_motion(
     let problem = case.problem(settings).map_err(args.case.failure())?;
     let solution = problem.solve(&mut ModelWorkspace::default());
     if solution.reason().is_some() {
-        return point(args, case, settings, solution, &Supplement::default());
+        return model_answer(args, case, settings, solution, &Supplement::default());
     }
     answer(&solution)
 }
@@ -216,11 +226,11 @@ fn ellipses<'a>(
     settings: &Settings,
     table: &mut Option<WriteTable<'a>>,
 ) -> Result<Answer, Failure> {
-    of_motion(args, case, settings, |solution| {
+    motion_answer(args, case, settings, |solution| {
         let points = args.points.unwrap_or(EllipseFields::POINTS);
         let fields = EllipseFields::of(case, settings, solution, points);
         let fields = fields.map_err(args.case.failure())?;
-        *table = Some(columns(fields.columns(), case));
+        *table = Some(table_writer(fields.columns(), case));
         Ok(fields.answer())
     })
 }

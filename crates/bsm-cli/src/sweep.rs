@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use bsm_batch::dataset::Points;
-use bsm_batch::{ColumnUnits, Draws, TableFormat, Task, Workers};
+use bsm_batch::{ColumnUnits, RandomPoints, TableFormat, Task, Workers};
 use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, Output, Settings};
 
 use crate::args::{SweepArgs, with_units};
-use crate::failure::{Failure, note_unused, warn};
+use crate::failure::{Failure, note_unused, print_message};
 use crate::files::{InputFiles, OutputFile, ending_of, is_stdout, read_case, write_bytes};
 use crate::lookup::Lookup;
-use crate::pictures::{Cells, Curves, Picture};
+use crate::pictures::{CurvePlot, MapPlot, Picture};
 use crate::table_job::{Job, is_folder, open, outputs};
 
 pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure> {
@@ -23,7 +23,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let settings = args.model.settings()?;
     let chosen = outputs(args.columns.as_deref())?;
     if let Some(points) = &args.points {
-        return of_table(args, points, (base, settings), (chosen, units), &files, workers);
+        return sweep_table(args, points, (base, settings), (chosen, units), &files, workers);
     }
     args.table.only_with("--points")?;
     let (points, grid) = points_of(args)?;
@@ -36,15 +36,15 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         let text = "plots and lookup tables need all points of a grid; they cannot be combined with --resume, --plan or --draw";
         return Err(Failure::Input(text.to_owned()));
     }
-    let watched = picture.map(|path| drawn(path, args.columns.as_deref())).transpose()?;
+    let watched = picture.map(|path| plotted_output(path, args.columns.as_deref())).transpose()?;
     let mut pictures: Vec<(&Path, OutputFile, Box<dyn Picture>)> = Vec::new();
     if let Some((path, output)) = files.lines.zip(watched) {
-        let curves = Box::new(Curves::new(&grid, output, units.clone())?);
+        let curves = Box::new(CurvePlot::new(&grid, output, units.clone())?);
         pictures.push((path, OutputFile::create(path)?, curves));
     }
     if let Some((path, output)) = files.map.zip(watched) {
-        let cells = Box::new(Cells::new(&grid, output, units.clone())?);
-        pictures.push((path, OutputFile::create(path)?, cells));
+        let map_plot = Box::new(MapPlot::new(&grid, output, units.clone())?);
+        pictures.push((path, OutputFile::create(path)?, map_plot));
     }
     let title = base.description.clone();
     let chosen = match watched {
@@ -52,10 +52,10 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         _ => chosen,
     };
     let task = Task::over_grid(base, settings, chosen, watched, &grid).map_err(in_file)?;
-    note_unread(&task, grid.varied());
+    note_unused_inputs(&task, grid.varied());
     note_groove(&task);
     if let Some(path) = files.lookup {
-        only_own(&units, path, "a lookup table")?;
+        require_metric_units(&units, path, "a lookup table")?;
         return Lookup::of(path).write(path, &task, &grid, workers);
     }
     let model = task.settings.model.name();
@@ -83,7 +83,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
 }
 
 /// Solves the rows of a table. The table of results has one row per input row, in the same order.
-fn of_table(
+fn sweep_table(
     args: &SweepArgs,
     path: &Path,
     (base, settings): (Case, Settings),
@@ -112,9 +112,9 @@ fn of_table(
             "{path}: {error}; give the inputs as columns, in a case or with --set"
         ))
     })?;
-    note_unread(&task, source.columns().set());
+    note_unused_inputs(&task, source.columns().set());
     if let Some(note) = source.columns().ignored_note() {
-        warn("note", &note);
+        print_message("note", &note);
     }
     note_groove(&task);
     let points = Points::Table { path: path.to_owned(), keep: args.keep.clone(), table_format };
@@ -127,19 +127,19 @@ fn of_table(
 
 /// Prints a note about inputs that no ball model uses. The note is omitted if a requested output
 /// belongs to the nut or the axis, which may use these inputs.
-fn note_unread(task: &Task, columns: InputSet) {
+fn note_unused_inputs(task: &Task, columns: InputSet) {
     use AnalysisKind::{Axis, Nut, Ratings, Warm};
     let is_beyond_the_ball =
         |output: &&Output| matches!(output.analysis(), Some(Nut | Ratings | Axis | Warm));
     if !task.outputs.iter().chain(&task.watched).any(is_beyond_the_ball) {
-        note_unused(task.base.given().and(columns));
+        note_unused(task.base.given().union(columns));
     }
 }
 
 /// Prints a note if the groove geometry is estimated.
 fn note_groove(task: &Task) {
     if let Some(note) = task.groove_note() {
-        warn("note", &note);
+        print_message("note", &note);
     }
 }
 
@@ -237,14 +237,14 @@ impl<'a> Files<'a> {
         table_format: TableFormat,
     ) -> Result<Job<'a>, Failure> {
         if let Some(folder) = self.table.filter(|table| is_folder(table)) {
-            only_own(&units, folder, "a folder of parts")?;
+            require_metric_units(&units, folder, "a folder of parts")?;
         }
         Ok(Job { task, args, table: self.table, about: self.about, table_format, units })
     }
 }
 
 /// Rejects display units for files whose readers expect metric units.
-fn only_own(units: &ColumnUnits, path: &Path, what: &str) -> Result<(), Failure> {
+fn require_metric_units(units: &ColumnUnits, path: &Path, what: &str) -> Result<(), Failure> {
     if units.are_own() {
         return Ok(());
     }
@@ -259,19 +259,22 @@ fn only_own(units: &ColumnUnits, path: &Path, what: &str) -> Result<(), Failure>
 fn points_of(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
     let usage = |what: &'static str| move |e: CaseError| Failure::input(what, &e);
     if let Some(count) = args.samples {
-        let draws = Draws::parse(args.seed, count, &args.draw).map_err(usage("--draw"))?;
+        let draws = RandomPoints::parse(args.seed, count, &args.draw).map_err(usage("--draw"))?;
         let corners = draws.corners().map_err(usage("--draw"))?;
-        return Ok((Points::Draws(draws), corners));
+        return Ok((Points::Random(draws), corners));
     }
     let grid = Grid::parse(&args.vary).map_err(usage("--vary"))?;
     Ok((Points::Grid(grid.clone()), grid))
 }
 
 /// Returns the output that a plot shows, which is the first requested column.
-fn drawn(path: &Path, columns: Option<&[String]>) -> Result<&'static Output, Failure> {
+fn plotted_output(path: &Path, columns: Option<&[String]>) -> Result<&'static Output, Failure> {
     let name = columns.and_then(|columns| columns.first()).map_or("efficiency", String::as_str);
     if columns.is_some_and(|columns| columns.len() > 1) {
-        warn("note", &format!("{} shows only {name}, the first of the --columns", path.display()));
+        print_message(
+            "note",
+            &format!("{} shows only {name}, the first of the --columns", path.display()),
+        );
     }
     let found = Output::in_unit(name).map(|(output, _)| output);
     found.filter(|output| output.json_type == "number").ok_or_else(|| {

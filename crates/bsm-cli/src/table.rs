@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use bsm_case::{
-    Answer, Content, Criterion, Numbers, Row, Scales, Scope, Table as Rows, Verdict, interval,
-    number, short,
+    Answer, Content, Criterion, Numbers, Row, Scales, Scope, Table as Rows, Verdict,
+    format_interval, format_number, format_short,
 };
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::Value;
@@ -43,14 +43,14 @@ fn aligned(header: Option<&[&str]>, rows: &[Vec<String>], right: impl Fn(usize) 
 
 /// Formats a value. A value without a unit is formatted as a count if it is a whole number.
 fn shown(unit: &str, value: f64) -> String {
-    if unit.is_empty() { count_or_number(value) } else { number(value) }
+    if unit.is_empty() { count_or_number(value) } else { format_number(value) }
 }
 
 /// Formats a count with all its digits, and any other number with five digits. The value 1 is not
 /// treated as a count, because it is usually a ratio.
 pub(crate) fn count_or_number(value: f64) -> String {
     let is_count = (2.0..1e6).contains(&value.abs()) && value.fract().abs() <= 0.0;
-    if is_count { format!("{value:.0}") } else { number(value) }
+    if is_count { format!("{value:.0}") } else { format_number(value) }
 }
 
 /// Formats an answer as text: rules, sections and notes.
@@ -102,12 +102,12 @@ fn rule(rule: &Criterion) -> Vec<String> {
         if rule.value.is_nan() {
             "-".to_owned()
         } else {
-            number(rule.value) + &interval(rule.band)
+            format_number(rule.value) + &format_interval(rule.band)
         },
         rule.must_be().unwrap_or_default(),
         rule.margin()
             .filter(|margin| !margin.is_nan())
-            .map_or_else(String::new, |margin| format!("{} %", short(100.0 / margin))),
+            .map_or_else(String::new, |margin| format!("{} %", format_short(100.0 / margin))),
         verdict(rule.limit.map(|_| rule.verdict())),
         rule.source.clone().into_owned(),
     ]
@@ -130,10 +130,10 @@ fn rows(table: &Rows) -> String {
         Value::Bool(holds) => if *holds { "yes" } else { "no" }.to_owned(),
         Value::String(text) => text.clone(),
         Value::Number(count) if !count.is_f64() => count.to_string(),
-        other => other.as_f64().map_or_else(|| other.to_string(), number),
+        other => other.as_f64().map_or_else(|| other.to_string(), format_number),
     };
     let cells = |(place, row): (usize, &Vec<Value>)| {
-        let band = |i: usize| interval(table.bands.get(place).and_then(|bands| bands[i]));
+        let band = |i: usize| format_interval(table.bands.get(place).and_then(|bands| bands[i]));
         shown.iter().map(|(i, _)| cell(*i, &row[*i]) + &band(*i)).collect()
     };
     let header: Vec<_> = shown.iter().map(|(_, head)| *head).collect();
@@ -187,7 +187,7 @@ fn block(
         let print = |value: f64| shown(row.unit, scales.clean(row.unit, value));
         let none = if first.scope == Scope::Directions { "none" } else { "" };
         let number = |(value, band): (&Option<f64>, _)| {
-            value.map_or_else(|| none.to_owned(), |value| print(value) + &interval(band))
+            value.map_or_else(|| none.to_owned(), |value| print(value) + &format_interval(band))
         };
         let numbers = row.values.iter().zip(row.bands).take(members.len()).map(number);
         let mark = if unbounded.contains(&quantity.name) { " *" } else { "" };

@@ -14,7 +14,7 @@ use bsm_batch::{
     RunError, Source, TableError, TableFormat, TableSink, Task, Workers,
 };
 use bsm_case::{
-    ColumnValues, DisplayUnits, Grid, GridAxis, ModelChoice, Output, ShownColumn, exact,
+    ColumnValues, DisplayUnits, Grid, GridAxis, ModelChoice, Output, ShownColumn, format_exact,
 };
 use bsm_dyn::Status;
 use bsm_report::PROGRAM;
@@ -23,7 +23,7 @@ use indicatif::ProgressBar;
 use serde_json::{Value, json};
 
 use crate::args::SweepArgs;
-use crate::failure::{Failure, of_table, warn};
+use crate::failure::{Failure, print_message, table_error_text};
 use crate::files::{self, OutputFile, ending_of, is_stdout, pretty_json};
 #[cfg(feature = "parquet")]
 use crate::parts::print_plan;
@@ -94,7 +94,7 @@ impl Job<'_> {
         if let Some(folder) = folder.filter(|_| self.args.plan) {
             return self.plan(folder, points, workers);
         }
-        let Count { rows, failed, several } = if let Some(folder) = folder {
+        let Count { rows, failed, with_other_solutions } = if let Some(folder) = folder {
             self.fill_folder(folder, points, workers, &mut watch)?
         } else {
             let bar = progress(source.len_hint(), "rows", self.args.work.quiet);
@@ -106,21 +106,22 @@ impl Job<'_> {
                 self.write_file(path, source, points, workers, &mut seen)
             } else {
                 let run = self.task.run(source, Discard, u64::MAX, workers, &mut seen);
-                run.map(|(_, count)| count).map_err(|error| stopped(Path::new("-"), error))
+                run.map(|(_, count)| count).map_err(|error| run_failure(Path::new("-"), error))
             };
             bar.finish_and_clear();
             count?
         };
         if let Some(text) = changes.and_then(|changes| changes.note()) {
-            warn("note", &text);
+            print_message("note", &text);
         }
-        if several > 0 {
-            let have = if several == 1 { "has" } else { "have" };
+        if with_other_solutions > 0 {
+            let have = if with_other_solutions == 1 { "has" } else { "have" };
             let is_written = self.task.outputs.iter().any(|o| o.name == "other_solutions");
             let hint = if is_written { "see the column" } else { "list them with --columns" };
-            let text =
-                format!("{several} of {rows} rows {have} other solutions; {hint} other_solutions");
-            warn("note", &text);
+            let text = format!(
+                "{with_other_solutions} of {rows} rows {have} other solutions; {hint} other_solutions"
+            );
+            print_message("note", &text);
         }
         if failed == 0 {
             return Ok(());
@@ -129,7 +130,7 @@ impl Job<'_> {
             Some(path) => format!("see column `message` in {}", path.display()),
             None => "write a table to see the reasons".to_owned(),
         };
-        warn("note", &format!("{failed} of {rows} rows have no result; {why}"));
+        print_message("note", &format!("{failed} of {rows} rows have no result; {why}"));
         if self.args.keep_going { Ok(()) } else { Err(Failure::Unsolved) }
     }
 
@@ -149,22 +150,22 @@ impl Job<'_> {
         let mut about = if is_text && self.about.is_none() {
             Value::Null
         } else {
-            let points = points.about(workers).map_err(|error| failed(path, error))?;
+            let points = points.about(workers).map_err(|error| dataset_failure(path, error))?;
             self.task.about(&points, source.columns())
         };
-        let failed = |error| stopped(path, error);
+        let failed = |error| run_failure(path, error);
         let outputs = &self.task.outputs;
         let count = match form {
             Form::Table(format) => {
                 let out = OutputFile::create(path)?;
                 let columns = (self.units.schema(source.columns(), outputs), &outputs[..]);
                 let sink = TableSink::with_schema(format, out, columns, &self.table_format);
-                let sink = sink.map_err(|error| unwritable(path, &error))?;
+                let sink = sink.map_err(|error| write_error(path, &error))?;
                 let sink = self.units.converting(sink, source.columns(), outputs);
                 let run = self.task.run(source, sink, u64::MAX, workers, seen);
                 let (ConvertingSink { sink, .. }, count) = run.map_err(failed)?;
                 let out = sink.finish(Some(&about.to_string()));
-                out.map_err(|error| unwritable(path, &error))?.complete()?;
+                out.map_err(|error| write_error(path, &error))?.complete()?;
                 count
             }
             #[cfg(feature = "xlsx")]
@@ -174,18 +175,19 @@ impl Job<'_> {
                 }
                 let out = OutputFile::create(path)?;
                 let book = Workbook::of_answers(&self.units, source.columns(), outputs);
-                let book = book.map_err(|error| unwritable(path, &error))?;
+                let book = book.map_err(|error| write_error(path, &error))?;
                 let book = self.units.converting(book, source.columns(), outputs);
                 let run = self.task.run(source, book, u64::MAX, workers, seen);
                 let (ConvertingSink { sink: book, .. }, count) = run.map_err(failed)?;
-                let bytes = book.finish(&about).map_err(|error| unwritable(path, &error))?;
+                let bytes = book.finish(&about).map_err(|error| write_error(path, &error))?;
                 files::write_bytes(out, path, &bytes)?;
                 count
             }
         };
         if let Some(beside) = self.about {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let (hash, bytes) = sha256(path).map_err(|e| Failure::files("read", path, &e))?;
+            let (hash, bytes) =
+                sha256(path).map_err(|e| Failure::file_operation("read", path, &e))?;
             about["table"] = json!({ "name": name, "bytes": bytes, "sha256": hash });
             files::write(beside, &(pretty_json(&about) + "\n"))?;
         }
@@ -217,7 +219,7 @@ impl Job<'_> {
         let plan = Plan::new(&self.task, points, self.args.rows_per_part, workers);
         let begun =
             plan.and_then(|plan| Dataset::resume(folder, plan, unfinished::create_temporary));
-        print_plan(folder, begun.map_err(|error| failed(folder, error))?.plan())
+        print_plan(folder, begun.map_err(|error| dataset_failure(folder, error))?.plan())
     }
 
     #[cfg(feature = "parquet")]
@@ -237,7 +239,7 @@ impl Job<'_> {
                     "{} does not belong to this table and was left in place; programs that read the folder will also read this file",
                     files[0].display()
                 );
-                warn("warning", &text);
+                print_message("warning", &text);
             }
             Event::Planned(rows) => bar = progress(Some(rows), "rows", self.args.work.quiet),
             Event::Found(part) => bar.inc(part.rows),
@@ -248,7 +250,7 @@ impl Job<'_> {
         };
         let count = dataset::fill(folder, &self.task, points, how, workers, &mut tell);
         bar.finish_and_clear();
-        count.map_err(|error| failed(folder, error))
+        count.map_err(|error| dataset_failure(folder, error))
     }
 }
 
@@ -284,7 +286,7 @@ impl<'a> Changes<'a> {
                 let [model, other] = [model, verdict.model].map(ModelChoice::name);
                 let place = row % self.axis.len() as u64;
                 if self.found.insert((place, [model, other])) && self.first.len() < Self::NAMED {
-                    let [from, to] = [from, *value].map(exact);
+                    let [from, to] = [from, *value].map(format_exact);
                     self.first.push(format!("{from} and {to} ({model}, {other})"));
                 }
             }
@@ -314,7 +316,7 @@ pub(crate) fn outputs(columns: Option<&[String]>) -> Result<Vec<&'static Output>
     };
     let columns: Option<Vec<_>> = columns.map(|names| names.iter().map(own).collect());
     let selected = Answers::select(columns.as_deref());
-    selected.map_err(|e| Failure::Input(format!("--columns: {}", of_table(&e))))
+    selected.map_err(|e| Failure::Input(format!("--columns: {}", table_error_text(&e))))
 }
 
 /// Returns true if the path ends with a separator, or if it is an existing folder without the
@@ -342,17 +344,17 @@ pub(crate) fn open(
 }
 
 /// Converts an error of a dataset to a failure with an exit code.
-pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
+pub(crate) fn dataset_failure(folder: &Path, error: DatasetError) -> Failure {
     match error {
         DatasetError::Read(error) => Failure::Table(error),
-        DatasetError::Write { path, error } => unwritable(&path, &error),
-        DatasetError::Io { doing, path, error } => Failure::files(doing, &path, &error),
+        DatasetError::Write { path, error } => write_error(&path, &error),
+        DatasetError::Io { doing, path, error } => Failure::file_operation(doing, &path, &error),
         DatasetError::Thread(error) => Failure::no_thread(&error),
         DatasetError::Stopped => Failure::Files(error.to_string()),
         DatasetError::Damaged(ref damaged) => {
-            Failure::Check(format!("{error}; {}", mend(folder, damaged)))
+            Failure::Check(format!("{error}; {}", repair_advice(folder, damaged)))
         }
-        DatasetError::Begun { .. } => {
+        DatasetError::AlreadyExists { .. } => {
             Failure::Input(format!("{error}; continue with --resume, or use another folder"))
         }
         DatasetError::NotAPlan { .. } => Failure::Input(format!(
@@ -365,7 +367,7 @@ pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
 
 /// Describes how to repair damaged parts, or what to do with files that are named like a part but
 /// are not in the plan.
-pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, PartDefect)]) -> String {
+pub(crate) fn repair_advice(folder: &Path, damaged: &[(PathBuf, PartDefect)]) -> String {
     let them = if damaged.len() == 1 { "it" } else { "them" };
     if damaged.iter().all(|(_, why)| matches!(why, PartDefect::NotInThePlan)) {
         return format!("move {them} elsewhere");
@@ -378,17 +380,17 @@ pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, PartDefect)]) -> String {
 }
 
 /// Reports why a run that writes a table ended early.
-pub(crate) fn stopped(path: &Path, error: RunError) -> Failure {
+pub(crate) fn run_failure(path: &Path, error: RunError) -> Failure {
     match error {
         RunError::Read(error) => Failure::Table(error),
-        RunError::Write(error) => unwritable(path, &error),
+        RunError::Write(error) => write_error(path, &error),
         RunError::Thread(error) => Failure::no_thread(&error),
         RunError::Stopped => Failure::Files(error.to_string()),
     }
 }
 
 /// Reports that a table cannot be written.
-pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
+pub(crate) fn write_error(path: &Path, error: &TableError) -> Failure {
     match error {
         TableError::Io(e) => OutputFile::failure(path, e),
         TableError::Parquet(why) => files::refused(path, why),
@@ -434,7 +436,7 @@ pub(crate) fn write_columns<'a>(
                 }
                 table.finish(Some(&made_from(about).to_string()))
             };
-            written().map_err(|error| unwritable(path, &error))?.complete()
+            written().map_err(|error| write_error(path, &error))?.complete()
         }
         #[cfg(feature = "xlsx")]
         Form::Workbook => {
@@ -496,7 +498,7 @@ pub(crate) fn write_rows(
         }
         Form::Table(_) => {
             let line = |(name, unit, value): &(String, &str, f64)| {
-                format!("{name},{unit},{}\n", exact(*value))
+                format!("{name},{unit},{}\n", format_exact(*value))
             };
             let lines: String = rows.iter().map(line).collect();
             files::write(path, &format!("name,unit,value\n{lines}"))
@@ -518,7 +520,7 @@ fn write_book<'a>(
         rows(&mut book)?;
         book.finish(&made_from(about))
     };
-    files::write_bytes(out, path, &written().map_err(|error| unwritable(path, &error))?)
+    files::write_bytes(out, path, &written().map_err(|error| write_error(path, &error))?)
 }
 
 /// Format of an output table.

@@ -6,7 +6,7 @@ use std::thread::available_parallelism;
 
 use bsm_batch::Workers;
 
-use crate::failure::{Failure, warn};
+use crate::failure::{Failure, print_message};
 
 /// Stop flag of the worker threads, which is never set. An interrupt removes unfinished files and
 /// ends the program immediately instead.
@@ -23,7 +23,7 @@ pub(crate) fn on_threads(
     let workers = Workers::start(wanted, &STOP).map_err(|e| Failure::no_thread(&e))?;
     let (threads, wanted) = (workers.threads(), wanted.map_or(1, NonZeroUsize::get));
     if threads < wanted {
-        warn(
+        print_message(
             "note",
             &format!(
                 "only {threads} of {wanted} threads are used, because the operating system did not start more"

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bsm_batch::TableFormat;
 use bsm_case::{Answer, Content};
-use bsm_report::{PROGRAM, short};
+use bsm_report::{PROGRAM, format_short};
 use bsm_validate::tradeoff::{
     self, Advice, Count, Errors, Group, OneCore, Points, SettingResult, Tradeoff,
 };
@@ -56,7 +56,7 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
         let (figures, page) = (measured.figures(), Some(tradeoff_page(&measured)?));
         Ok(Pictures { figures, page, ..Pictures::default() })
     };
-    Reply::of(answer).give(&to, draw)
+    Reply::of(answer).deliver(&to, draw)
 }
 
 fn read(path: &Path) -> Result<Points, Failure> {
@@ -136,11 +136,11 @@ fn row(result: &SettingResult) -> Vec<String> {
 }
 
 fn cell(value: Option<f64>) -> String {
-    value.map_or_else(|| "-".to_owned(), short)
+    value.map_or_else(|| "-".to_owned(), format_short)
 }
 
 fn micro(ns: f64) -> String {
-    short(1e-3 * ns)
+    format_short(1e-3 * ns)
 }
 
 /// Formats the computing times of single solves and of batch runs.
@@ -166,7 +166,7 @@ fn advice_row(advice: &Advice) -> Vec<String> {
         row.extend(match pick {
             Some(pick) => {
                 let fails: Vec<_> = pick.fails_where.iter().map(|group| group.name()).collect();
-                [pick.setting.clone(), short(1e-3 * pick.ns), fails.join(", ")]
+                [pick.setting.clone(), format_short(1e-3 * pick.ns), fails.join(", ")]
             }
             None => ["none".to_owned(), String::new(), String::new()],
         });

@@ -44,7 +44,7 @@ pub(crate) fn create_temporary(
     Ok(file)
 }
 
-pub(crate) use signals::prepare;
+pub(crate) use signals::install_handlers;
 
 #[cfg(unix)]
 mod signals {
@@ -59,7 +59,7 @@ mod signals {
     };
     use signal_hook::{flag, iterator::Signals};
 
-    use crate::failure::warn;
+    use crate::failure::print_message;
     use crate::files::FILE_TOO_LARGE;
 
     /// Handled signals, including the signals that job schedulers send before a time limit expires.
@@ -69,11 +69,11 @@ mod signals {
 
     /// Waiting time after the signal SIGXFSZ. A failed write of this program reports its error
     /// within this time.
-    const FAILS_WITHIN: Duration = Duration::from_millis(200);
+    const WRITE_ERROR_DELAY: Duration = Duration::from_millis(200);
 
     /// Ensures that the program ends with exit code 1 if memory runs out or a file exceeds the size
     /// limit.
-    pub(crate) fn prepare() -> io::Result<()> {
+    pub(crate) fn install_handlers() -> io::Result<()> {
         // With this handler, a write beyond the limit of `ulimit -f` returns an error instead of
         // terminating the program.
         flag::register(SIGXFSZ, Arc::default())?;
@@ -102,7 +102,7 @@ mod signals {
     /// Returns true if SIGXFSZ was caused by a write of this program. In this case, the failed
     /// write reports the error.
     fn write_failed() -> bool {
-        thread::sleep(FAILS_WITHIN);
+        thread::sleep(WRITE_ERROR_DELAY);
         FILE_TOO_LARGE.load(Ordering::Relaxed)
     }
 
@@ -111,7 +111,7 @@ mod signals {
         for file in &held.files {
             let _ = fs::remove_file(file);
         }
-        warn(
+        print_message(
             "error",
             "interrupted; incomplete files were removed (to continue a run that writes a folder, use --resume)",
         );
@@ -134,7 +134,7 @@ mod signals {
 
     /// Does nothing on this operating system.
     #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
-    pub(crate) fn prepare() -> io::Result<()> {
+    pub(crate) fn install_handlers() -> io::Result<()> {
         Ok(())
     }
 

@@ -1,14 +1,14 @@
 //! `bsm validate`: compares the program with published results.
 
 use bsm_case::Content;
-use bsm_report::number;
+use bsm_report::format_number;
 use bsm_validate::{PublishedData, Report, Verdict};
 
 use crate::answer::{Pictures, Reply};
 use crate::args::ValidateArgs;
 use crate::failure::Failure;
 use crate::files::InputFiles;
-use crate::progress::waiting;
+use crate::progress::show_spinner;
 use crate::table;
 
 pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
@@ -22,7 +22,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
         Some(folder) => PublishedData::read(folder)?,
         None => PublishedData::default(),
     };
-    let line = waiting("calculating the published results");
+    let line = show_spinner("calculating the published results");
     let report = bsm_validate::run(&published);
     drop(line);
     let mut report = report?;
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
         }
     }
     let answer = report.answer().with_shown(Content::Text("", Some(describe(&report))));
-    Reply::of(answer).give(&to, || {
+    Reply::of(answer).deliver(&to, || {
         let figures = bsm_validate::figures(&published)?;
         let page = Some(bsm_validate::validation_page(&report, &figures)?);
         Ok(Pictures { figures, page, ..Pictures::default() })
@@ -56,8 +56,8 @@ fn describe(report: &Report) -> String {
             vec![
                 verdict.to_owned(),
                 check.key.clone(),
-                check.claimed.map_or_else(String::new, number),
-                number(check.measured),
+                check.claimed.map_or_else(String::new, format_number),
+                format_number(check.measured),
                 check.unit.clone(),
                 check.note.clone(),
             ]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use bsm_view::{PageSolver, Save, Server, saved};
 
 use crate::args::ViewArgs;
-use crate::failure::{Failure, note_unused, warn};
+use crate::failure::{Failure, note_unused, print_message};
 use crate::files::{InputFiles, ending_of, print, write};
 
 pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
@@ -41,11 +41,11 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
         .map_err(|error| Failure::Files(error.to_string()))?;
     let address = server.address();
     print(&address)?;
-    warn("note", "the page is only available on this machine; Ctrl-C stops the server");
+    print_message("note", "the page is only available on this machine; Ctrl-C stops the server");
     if args.open
         && let Err(error) = opener::open_browser(&address)
     {
-        warn("note", &format!("cannot start a browser: {error}; open the address above"));
+        print_message("note", &format!("cannot start a browser: {error}; open the address above"));
     }
     server.serve();
     Ok(())

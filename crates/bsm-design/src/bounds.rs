@@ -8,27 +8,27 @@ pub(crate) const ROUNDING: f64 = 1e-9;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bounds {
     /// Lower limit, if there is one.
-    pub least: Option<f64>,
+    pub min: Option<f64>,
     /// Upper limit, if there is one.
-    pub most: Option<f64>,
+    pub max: Option<f64>,
 }
 
 impl Bounds {
     /// Creates limits from an optional lower limit.
-    pub fn at_least(least: Option<f64>) -> Self {
-        Self { least, most: None }
+    pub fn at_least(min: Option<f64>) -> Self {
+        Self { min, max: None }
     }
 
     /// Creates limits from an optional upper limit.
-    pub fn at_most(most: Option<f64>) -> Self {
-        Self { least: None, most }
+    pub fn at_most(max: Option<f64>) -> Self {
+        Self { min: None, max }
     }
 
     /// Returns the relative violation of the limits. It is zero or negative within the limits, and
     /// 1 if the value is NaN. Returns `None` if there are no limits.
     pub fn violation(self, value: f64) -> Option<f64> {
-        let below = self.least.map(|least| 1.0 - value / least);
-        let above = self.most.map(|most| value / most - 1.0);
+        let below = self.min.map(|min| 1.0 - value / min);
+        let above = self.max.map(|max| value / max - 1.0);
         let violation = match (below, above) {
             (Some(below), Some(above)) => below.max(above),
             (one, other) => one.or(other)?,
@@ -44,8 +44,8 @@ impl Bounds {
     /// Returns the factor by which the value can change before it reaches a limit. Returns `None`
     /// if there are no limits.
     pub fn margin(self, value: f64) -> Option<f64> {
-        let below = self.least.map(|least| value / least);
-        let above = self.most.map(|most| most / value);
+        let below = self.min.map(|min| value / min);
+        let above = self.max.map(|max| max / value);
         match (below, above) {
             (Some(below), Some(above)) => Some(below.min(above)),
             (one, other) => one.or(other),
@@ -60,7 +60,7 @@ impl Bounds {
     /// Returns the limits in another unit.
     #[must_use]
     pub fn map(self, change: impl Fn(f64) -> f64) -> Self {
-        Self { least: self.least.map(&change), most: self.most.map(&change) }
+        Self { min: self.min.map(&change), max: self.max.map(&change) }
     }
 
     /// Returns true if the limits of `self` and `other` agree to within a relative difference.
@@ -71,7 +71,7 @@ impl Bounds {
             (Some(one), Some(other)) => (one - other).abs() <= difference * other.abs(),
             (one, other) => one.is_none() && other.is_none(),
         };
-        is_close(self.least, other.least) && is_close(self.most, other.most)
+        is_close(self.min, other.min) && is_close(self.max, other.max)
     }
 }
 
@@ -83,7 +83,7 @@ mod tests {
     /// negative value meets an upper limit.
     #[test]
     fn value_at_a_limit_meets_the_limit_in_spite_of_rounding_errors() {
-        let both = Bounds { least: Some(0.3), most: Some(2.0) };
+        let both = Bounds { min: Some(0.3), max: Some(2.0) };
         for (value, is_met) in [(0.1 + 0.2, true), (0.299, false), (2.0, true), (2.01, false)] {
             assert_eq!(both.are_met_by(value), is_met, "{value}");
             let margin = both.margin(value).expect("limits");

@@ -345,9 +345,9 @@ impl DriveTrain {
     /// the motor has no power.
     ///
     /// * `load`: absolute load at standstill \[N\].
-    pub fn falling(&self, load: f64) -> Fall {
+    pub fn back_driven_screw(&self, load: f64) -> BackDrivenScrew {
         let advance = self.advance();
-        Fall { torque: load * advance, advance, inertia: self.inertia_at_screw() }
+        BackDrivenScrew { torque: load * advance, advance, inertia: self.inertia_at_screw() }
     }
 }
 
@@ -366,7 +366,7 @@ pub fn least_acceleration_time(inertia: f64, speed: f64, peak: f64, load: f64) -
 
 /// A screw that is back-driven by its load at standstill while the motor has no power.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fall {
+pub struct BackDrivenScrew {
     /// Load torque on the screw without friction \[N·m\].
     pub torque: f64,
     /// Travel per radian of screw rotation \[m\].
@@ -375,7 +375,7 @@ pub struct Fall {
     inertia: f64,
 }
 
-impl Fall {
+impl BackDrivenScrew {
     /// Returns the linear acceleration \[m/s²\] that results from a net driving torque at the screw
     /// \[N·m\] (AA12).
     pub fn acceleration(&self, driving: f64) -> f64 {
@@ -602,12 +602,12 @@ mod tests {
             brake_at_rest: false,
         };
         assert_relative_eq!(drive.inertia(), 2.071_26e-3, max_relative = 3e-6);
-        let falling = drive.falling(250.0 * GRAVITY);
-        let distance = falling.stopping_distance(9.0, 0.05, 0.25).expect("it holds");
+        let back_driven_screw = drive.back_driven_screw(250.0 * GRAVITY);
+        let distance = back_driven_screw.stopping_distance(9.0, 0.05, 0.25).expect("it holds");
         // The hand calculation is accurate to four digits.
         assert_relative_eq!(distance, 36.66e-3, max_relative = 2e-4);
-        assert_eq!(falling.stopping_distance(3.9, 0.05, 0.25), None);
-        let fall = falling.acceleration(0.8 * falling.torque - 0.25);
+        assert_eq!(back_driven_screw.stopping_distance(3.9, 0.05, 0.25), None);
+        let fall = back_driven_screw.acceleration(0.8 * back_driven_screw.torque - 0.25);
         assert_relative_eq!(fall, 2.206_49, max_relative = 5e-6);
         assert_relative_eq!((2.0 * fall * 0.5).sqrt(), 1.485_43, max_relative = 5e-6);
     }

@@ -28,8 +28,8 @@ pub const UNUSUAL_EVIDENCE: f64 = -4.0;
 /// Log evidence below which a catalog row is rejected.
 pub const MIN_EVIDENCE: f64 = -7.0;
 
-/// Log evidence above which a corrected [`Reading`] of a rejected row is suggested.
-const READING_EVIDENCE: f64 = -3.0;
+/// Log evidence above which a corrected [`CatalogMistake`] of a rejected row is suggested.
+const MISTAKE_EVIDENCE: f64 = -3.0;
 
 /// Excess of the dynamic rating relative to the static rating (logarithm, AB1) above which the
 /// rating is assumed to be raised for clean steel.
@@ -152,7 +152,7 @@ pub struct GrooveEstimate {
 
 /// A mistake in a catalog row that would explain why the ratings do not match any groove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reading {
+pub enum CatalogMistake {
     /// The ratings are stated in kgf instead of N.
     RatingsInKilogramForce,
     /// The ratings are stated in lbf instead of N.
@@ -171,16 +171,16 @@ pub enum Reading {
 
 /// A rejected catalog row, whose ratings do not match any plausible groove.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RefusedLine {
+pub struct RejectedRow {
     /// Estimate for the row as it is printed; `None` if no ball fits the nominal diameter and the
     /// lead.
     pub nearest: Option<Box<GrooveEstimate>>,
     /// Corrected readings of the row that match a plausible groove, each with its log evidence, in
     /// descending order of evidence.
-    pub readings: Vec<(Reading, f64)>,
+    pub mistakes: Vec<(CatalogMistake, f64)>,
 }
 
-impl Reading {
+impl CatalogMistake {
     const ALL: [Self; 7] = [
         Self::RatingsInKilogramForce,
         Self::RatingsInPoundForce,
@@ -225,9 +225,9 @@ impl CatalogLine {
     ///
     /// # Errors
     ///
-    /// Returns [`RefusedLine`] if no ball fits the nominal diameter and the lead, or if the log
+    /// Returns [`RejectedRow`] if no ball fits the nominal diameter and the lead, or if the log
     /// evidence is below [`MIN_EVIDENCE`].
-    pub fn estimate(&self) -> Result<GrooveEstimate, RefusedLine> {
+    pub fn estimate(&self) -> Result<GrooveEstimate, RejectedRow> {
         self.estimate_with(&Prior::USUAL)
     }
 
@@ -235,27 +235,27 @@ impl CatalogLine {
     ///
     /// # Errors
     ///
-    /// Returns [`RefusedLine`] under the same conditions as [`estimate`](Self::estimate).
-    pub fn estimate_with(&self, prior: &Prior) -> Result<GrooveEstimate, RefusedLine> {
+    /// Returns [`RejectedRow`] under the same conditions as [`estimate`](Self::estimate).
+    pub fn estimate_with(&self, prior: &Prior) -> Result<GrooveEstimate, RejectedRow> {
         match self.weighted(prior) {
             Some(estimate) if estimate.ln_evidence >= MIN_EVIDENCE => Ok(estimate),
             nearest => {
-                Err(RefusedLine { nearest: nearest.map(Box::new), readings: self.readings(prior) })
+                Err(RejectedRow { nearest: nearest.map(Box::new), mistakes: self.mistakes(prior) })
             }
         }
     }
 
     /// Returns the corrected readings that match a plausible groove, in descending order of
     /// evidence.
-    fn readings(&self, prior: &Prior) -> Vec<(Reading, f64)> {
-        let evidence = |reading: Reading| {
-            let estimate = reading.of(self)?.weighted(prior)?;
-            Some((reading, estimate.ln_evidence))
+    fn mistakes(&self, prior: &Prior) -> Vec<(CatalogMistake, f64)> {
+        let evidence = |mistake: CatalogMistake| {
+            let estimate = mistake.of(self)?.weighted(prior)?;
+            Some((mistake, estimate.ln_evidence))
         };
-        let mut readings: Vec<_> = Reading::ALL.into_iter().filter_map(evidence).collect();
-        readings.retain(|(_, ln_evidence)| *ln_evidence > READING_EVIDENCE);
-        readings.sort_by(|one, other| other.1.total_cmp(&one.1));
-        readings
+        let mut mistakes: Vec<_> = CatalogMistake::ALL.into_iter().filter_map(evidence).collect();
+        mistakes.retain(|(_, ln_evidence)| *ln_evidence > MISTAKE_EVIDENCE);
+        mistakes.sort_by(|one, other| other.1.total_cmp(&one.1));
+        mistakes
     }
 
     /// Calculates the probabilities of all hypotheses. Returns `None` if no ball fits.
@@ -519,7 +519,7 @@ pub fn on_all_cores<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync) -
 /// is drawn.
 ///
 /// * `draw`: index of the draw, from 0.
-pub fn beside_groove(draw: usize) -> f64 {
+pub fn quasi_random_besides_groove(draw: usize) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "at most 128")]
     let j = (draw + 1) as f64;
     // u_j = frac(½ + j √2)                                                (AB13)
@@ -640,8 +640,8 @@ mod tests {
         let nearest = refused.nearest.expect("balls fit the sizes");
         // The reference evidence is printed with one decimal.
         assert!((nearest.ln_evidence + 107.2).abs() < 0.05, "{}", nearest.ln_evidence);
-        let (reading, evidence) = refused.readings[0];
-        assert_eq!(reading, Reading::StaticRatingTimesTen);
+        let (mistake, evidence) = refused.mistakes[0];
+        assert_eq!(mistake, CatalogMistake::StaticRatingTimesTen);
         assert!((evidence - 0.85).abs() < 5e-3, "{evidence}");
     }
 
@@ -652,14 +652,17 @@ mod tests {
         let right = sfu();
         let kgf = 1.0 / 9.806_65;
         let cases = [
-            (line(16.0, 5.0, kgf * 13_533.0, kgf * 29_930.0), Reading::RatingsInKilogramForce),
-            (line(16.0, 5.0, 29_930.0, 13_533.0), Reading::RatingsSwapped),
-            (line(16.0, 5.0, 13_533.0, 299_300.0), Reading::StaticRatingOverTen),
+            (
+                line(16.0, 5.0, kgf * 13_533.0, kgf * 29_930.0),
+                CatalogMistake::RatingsInKilogramForce,
+            ),
+            (line(16.0, 5.0, 29_930.0, 13_533.0), CatalogMistake::RatingsSwapped),
+            (line(16.0, 5.0, 13_533.0, 299_300.0), CatalogMistake::StaticRatingOverTen),
         ];
         let ln_right = right.estimate().expect("usual ratings").ln_evidence;
-        for (wrong, reading) in cases {
+        for (wrong, mistake) in cases {
             let refused = wrong.estimate().expect_err("a mistake");
-            let found = refused.readings.iter().find(|(found, _)| *found == reading);
+            let found = refused.mistakes.iter().find(|(found, _)| *found == mistake);
             let (_, ln_evidence) = found.expect("the mistake");
             assert_relative_eq!(*ln_evidence, ln_right, max_relative = 1e-9);
         }
@@ -670,7 +673,10 @@ mod tests {
     fn row_without_a_fitting_ball_is_rejected() {
         let refused = line(16.0, 0.5, 13_533.0, 29_930.0).estimate().expect_err("no ball");
         assert_eq!(refused.nearest, None);
-        assert_eq!(refused.readings.first().map(|found| found.0), Some(Reading::LeadTimesTen));
+        assert_eq!(
+            refused.mistakes.first().map(|found| found.0),
+            Some(CatalogMistake::LeadTimesTen)
+        );
         // If the given ball overlaps the screw axis, its rating is not defined. The result is an
         // error instead of NaN.
         let huge = CatalogLine { ball_diameter: Some(100e-3), ..sfu() };

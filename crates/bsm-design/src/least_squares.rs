@@ -21,7 +21,7 @@ const FIXED_STEP: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeastSquares {
     /// Parameters at the minimum.
-    pub at: Vec<f64>,
+    pub parameters: Vec<f64>,
     /// Residuals at the minimum.
     pub residuals: Vec<f64>,
     /// Standard deviations of the parameters (V7) under the assumption that the residuals are
@@ -32,7 +32,7 @@ pub struct LeastSquares {
     pub condition: f64,
     /// True for each parameter at an active bound, which means that the unconstrained minimum lies
     /// beyond this bound.
-    pub held: Vec<bool>,
+    pub at_bound: Vec<bool>,
 }
 
 /// Minimizes the sum of squared residuals, starting from `start`. Returns `None` if the residuals
@@ -111,8 +111,8 @@ pub fn least_squares<E>(
                 let outward = gradient[k] / normal[(k, k)];
                 (u[k] <= 0.0 && outward > FIXED_STEP) || (u[k] >= 1.0 && outward < -FIXED_STEP)
             };
-            let held = (0..count).map(is_held).collect();
-            return Ok(Some(outcome(&slopes, &number(&u), residual, bounds, held)));
+            let at_bound = (0..count).map(is_held).collect();
+            return Ok(Some(outcome(&slopes, &number(&u), residual, bounds, at_bound)));
         }
     }
     Ok(None)
@@ -121,14 +121,14 @@ pub fn least_squares<E>(
 /// Returns the result, including standard deviations and the condition number.
 fn outcome(
     slopes: &DMatrix<f64>,
-    at: &[f64],
+    parameters: &[f64],
     residuals: Vec<f64>,
     bounds: &[(f64, f64)],
-    held: Vec<bool>,
+    at_bound: Vec<bool>,
 ) -> LeastSquares {
     let responses = slopes.singular_values();
     let condition = responses.max() / responses.min();
-    let free = residuals.len().saturating_sub(at.len());
+    let free = residuals.len().saturating_sub(parameters.len());
     #[expect(clippy::cast_precision_loss, reason = "a number of measurements")]
     let variance = residuals.iter().map(|x| x * x).sum::<f64>() / free as f64;
     let spread = slopes.tr_mul(slopes).try_inverse().filter(|_| free > 0);
@@ -139,7 +139,7 @@ fn outcome(
         };
         bounds.iter().enumerate().map(of).collect()
     });
-    LeastSquares { at: at.to_vec(), residuals, deviations, condition, held }
+    LeastSquares { parameters: parameters.to_vec(), residuals, deviations, condition, at_bound }
 }
 
 #[cfg(test)]
@@ -167,8 +167,8 @@ mod tests {
             (0..8).map(|i| f64::from(i) * 0.3).map(|t| (t, of(&[2.5, 1.3], t))).collect();
         let found = fit(&[1.0, 0.5], &[(0.1, 10.0), (0.1, 5.0)], of, &data);
         // The iteration stops at steps of 1e-9, relative to the width between the bounds.
-        assert_relative_eq!(found.at[0], 2.5, epsilon = 1e-7);
-        assert_relative_eq!(found.at[1], 1.3, epsilon = 1e-7);
+        assert_relative_eq!(found.parameters[0], 2.5, epsilon = 1e-7);
+        assert_relative_eq!(found.parameters[1], 1.3, epsilon = 1e-7);
     }
 
     /// For a straight line with scattered points, slope, offset and standard deviations match
@@ -180,8 +180,8 @@ mod tests {
             fit(&[0.5, 0.5], &[(-10.0, 10.0), (-10.0, 10.0)], |x, t| x[0] + x[1] * t, &data);
         // Hand calculation: the means are 1.5 for t and 2.5 for y, S_tt = 5 and S_ty = 4.7. The sum
         // of squared residuals is 0.082, and the variance is 0.041.
-        assert_relative_eq!(found.at[1], 0.94, epsilon = 1e-7);
-        assert_relative_eq!(found.at[0], 1.09, epsilon = 1e-7);
+        assert_relative_eq!(found.parameters[1], 0.94, epsilon = 1e-7);
+        assert_relative_eq!(found.parameters[0], 1.09, epsilon = 1e-7);
         let deviations = found.deviations.unwrap();
         assert_relative_eq!(deviations[1], (0.041_f64 / 5.0).sqrt(), max_relative = 1e-6);
     }
@@ -192,9 +192,9 @@ mod tests {
     fn a_parameter_beyond_its_bound_is_held_at_the_bound() {
         let data = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)];
         let found = fit(&[0.5, 0.5], &[(-10.0, 10.0), (0.0, 1.0)], |x, t| x[0] + x[1] * t, &data);
-        assert_relative_eq!(found.at[1], 1.0);
-        assert_relative_eq!(found.at[0], 2.0, epsilon = 1e-7);
-        assert_eq!(found.held, [false, true]);
+        assert_relative_eq!(found.parameters[1], 1.0);
+        assert_relative_eq!(found.parameters[0], 2.0, epsilon = 1e-7);
+        assert_eq!(found.at_bound, [false, true]);
     }
 
     /// The exact solution lies on a bound, but the bound is not active.
@@ -202,7 +202,7 @@ mod tests {
     fn parameter_whose_exact_value_is_on_its_bound_is_not_held() {
         let data = [(0.0, 2.0), (1.0, 3.0), (2.0, 4.0)];
         let found = fit(&[0.5, 0.5], &[(-10.0, 10.0), (0.0, 1.0)], |x, t| x[0] + x[1] * t, &data);
-        assert_relative_eq!(found.at[1], 1.0, epsilon = 1e-7);
-        assert_eq!(found.held, [false, false]);
+        assert_relative_eq!(found.parameters[1], 1.0, epsilon = 1e-7);
+        assert_eq!(found.at_bound, [false, false]);
     }
 }

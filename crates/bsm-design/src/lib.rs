@@ -59,18 +59,18 @@ pub use body::{NutBody, NutSet};
 pub use bounds::Bounds;
 pub use catalog::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
 pub use drive::{
-    BRAKE_SAFETY, BackDriving, DriveTrain, Fall, MachineTable, MotorCurve, MotorPoint, drag_torque,
-    least_acceleration_time, rod_inertia, rod_mass_per_length, stopping_distance,
+    BRAKE_SAFETY, BackDrivenScrew, BackDriving, DriveTrain, MachineTable, MotorCurve, MotorPoint,
+    drag_torque, least_acceleration_time, rod_inertia, rod_mass_per_length, stopping_distance,
 };
 pub use grade::Grade;
 pub use groove_estimate::{
-    BallProbability, BallReturn, Band, CatalogLine, DRAWS, EstimatedGroove, FEW_DRAWS,
-    GrooveEstimate, Hypothesis, KnownGroove, MIN_EVIDENCE, Prior, Reading, RefusedLine,
-    UNUSUAL_EVIDENCE, beside_groove, on_all_cores,
+    BallProbability, BallReturn, Band, CatalogLine, CatalogMistake, DRAWS, EstimatedGroove,
+    FEW_DRAWS, GrooveEstimate, Hypothesis, KnownGroove, MIN_EVIDENCE, Prior, RejectedRow,
+    UNUSUAL_EVIDENCE, on_all_cores, quasi_random_besides_groove,
 };
 pub use least_squares::{LeastSquares, least_squares};
 pub use life::{
-    Duty, Life, OPENS_AT, RatingBasis, RequiredLife, life, modified_life, pair_loads,
+    Duty, Life, RatingBasis, RequiredLife, UNLOADING_RATIO, life, modified_life, pair_loads,
     reliability_factor,
 };
 pub use make::Make;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 /// Ratio of load to preload at which the relieved nut of a pair loses contact, `$2^{3/2}$` (D14).
-pub const OPENS_AT: f64 = 2.0 * std::f64::consts::SQRT_2;
+pub const UNLOADING_RATIO: f64 = 2.0 * std::f64::consts::SQRT_2;
 
 /// Number of revolutions for which the dynamic load rating is defined.
 const MILLION: f64 = 1e6;
@@ -198,7 +198,7 @@ pub fn reliability_factor(percent: f64) -> f64 {
 /// Under loads above `$2^{3/2}$` times the preload, one nut is unloaded. Assumes that the
 /// displacement is proportional to the load up to this limit, as in ISO 3408-5.
 pub fn pair_loads(preload: f64, load: f64) -> (f64, f64) {
-    let free = OPENS_AT * preload;
+    let free = UNLOADING_RATIO * preload;
     let size = load.abs();
     // F₁ = F_w [1 + F/(2^{3/2} F_w)]^{3/2},  F₂ = F₁ − F                  (D14)
     let (more, less) = if size < free {

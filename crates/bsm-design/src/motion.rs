@@ -8,7 +8,7 @@ use std::num::NonZeroUsize;
 use bsm_newton::Bracket;
 use gauss_quad::GaussLegendre;
 
-use crate::{DriveTrain, Duty, MachineTable, OPENS_AT};
+use crate::{DriveTrain, Duty, MachineTable, UNLOADING_RATIO};
 
 /// Relative tolerance for the shortest duration of a move. It allows for rounding errors of decimal
 /// inputs.
@@ -369,7 +369,7 @@ impl Phase {
         if self.has_constant_load() || !self.moves() {
             return vec![Duty { load: start, speed, time: self.time }];
         }
-        let opens = OPENS_AT * preload.unwrap_or(0.0);
+        let opens = UNLOADING_RATIO * preload.unwrap_or(0.0);
         let share_of = |load: f64| (load - start) / (end - start);
         let parts = intervals(&[-opens, 0.0, opens].map(share_of));
         let nodes = parts.flat_map(gauss);
@@ -439,7 +439,7 @@ impl Phase {
         let [start, end] = if self.has_constant_load() { self.speed } else { self.load };
         let most = start.abs().max(end.abs());
         let kinks = match preload.filter(|_| !self.has_constant_load()) {
-            Some(preload) => [-OPENS_AT * preload, 0.0, OPENS_AT * preload],
+            Some(preload) => [-UNLOADING_RATIO * preload, 0.0, UNLOADING_RATIO * preload],
             None => [-CREEP * most, 0.0, CREEP * most],
         };
         intervals(&kinks.map(|value| (value - start) / (end - start))).collect()
@@ -654,7 +654,7 @@ fn rule(nodes: usize) -> Vec<(f64, f64)> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CycleTravel {
     /// Total distance in both directions \[m\].
-    pub way: f64,
+    pub distance: f64,
     /// Distance between the two extreme positions \[m\].
     pub range: f64,
     /// Signed distance from the start position to the end position of the cycle \[m\].
@@ -667,15 +667,15 @@ impl CycleTravel {
     /// * `advance`: travel per radian of screw rotation \[m\].
     /// * `time`: cycle time \[s\].
     pub fn of(phases: &[Phase], advance: f64, time: f64) -> Self {
-        let (mut way, mut low, mut high, mut at) = (0.0, 0.0_f64, 0.0_f64, 0.0);
+        let (mut distance, mut low, mut high, mut at) = (0.0, 0.0_f64, 0.0_f64, 0.0);
         for phase in phases {
             let step = phase.mean_speed() * advance * (phase.time * time);
-            way += step.abs();
+            distance += step.abs();
             at += step;
             low = low.min(at);
             high = high.max(at);
         }
-        Self { way, range: high - low, end: at }
+        Self { distance, range: high - low, end: at }
     }
 }
 
@@ -729,8 +729,8 @@ mod tests {
         let speed = (1.5 - 1.45_f64.sqrt()) * 0.75;
         assert_relative_eq!(found.speed, speed, max_relative = 1e-13);
         let [up, constant, down] = found.times;
-        let way = speed * (0.5 * (up + down) + constant);
-        assert_relative_eq!(way, 0.3, max_relative = 1e-13);
+        let distance = speed * (0.5 * (up + down) + constant);
+        assert_relative_eq!(distance, 0.3, max_relative = 1e-13);
         let least = Move::in_time(0.3, 0.8, [1.2, 2.0]).expect_err("too short");
         assert_relative_eq!(least, 0.8_f64.sqrt(), max_relative = 1e-14);
         let shortest = Move::in_time(0.3, least, [1.2, 2.0]).expect("just long enough");

@@ -1,7 +1,7 @@
 //! Amount of preload, which is specified as a force, derived from the load, or given by a
 //! manufacturer's preload class.
 
-use crate::OPENS_AT;
+use crate::UNLOADING_RATIO;
 
 /// Amount of preload that a case requests.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +61,7 @@ impl PreloadSize {
 /// Source: THK, A-687, which uses a third of the load; (D14).
 pub fn least_preload(load: f64) -> f64 {
     // F_pr ≥ F_max/2^(3/2)                                                (AA6)
-    load / OPENS_AT
+    load / UNLOADING_RATIO
 }
 
 /// Rounds a force up to a multiple of 50 N below 5 kN and of 100 N from 5 kN.
@@ -122,7 +122,7 @@ mod tests {
         assert_relative_eq!(PreloadSize::Auto.force(7e3, 52.7e3), 2500.0, max_relative = 1e-14);
         assert_relative_eq!(PreloadSize::Auto.force(14.2e3, 0.0), 5100.0, max_relative = 1e-14);
         assert_relative_eq!(
-            PreloadSize::Auto.force(2500.0 * OPENS_AT, 0.0),
+            PreloadSize::Auto.force(2500.0 * UNLOADING_RATIO, 0.0),
             2500.0,
             max_relative = 1e-14
         );

@@ -514,9 +514,8 @@ impl Search<'_> {
             // The logarithmic distance from the limit is a suitable measure even if the value is
             // many times the limit.
             let far = |c: &Check| {
-                let below =
-                    c.bounds.least.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
-                let most = c.bounds.most;
+                let below = c.bounds.min.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
+                let most = c.bounds.max;
                 below.max(most.map_or(f64::NEG_INFINITY, |most| (c.value / most).ln()))
             };
             Value { objective: own.map_or(f64::NAN, far), violations }

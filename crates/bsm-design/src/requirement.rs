@@ -459,8 +459,8 @@ impl Design {
         let semi_axes = pressed(&|hertz| hertz.semi_axes(normal).0);
         let best = Optimum::of(direction, lead, friction);
         let mut checks = Vec::new();
-        let mut add = |step, quantity, value, least, most| {
-            checks.push(Check { step, quantity, value, bounds: Bounds { least, most } });
+        let mut add = |step, quantity, value, min, max| {
+            checks.push(Check { step, quantity, value, bounds: Bounds { min, max } });
         };
         add(1, DesignQuantity::LeadAngle, lead, None, None);
         let best = best.map_or(f64::NAN, |best| best.contact_angle);
@@ -525,7 +525,7 @@ impl Design {
         add(10, DesignQuantity::InputPower, input, None, requirement.largest_power);
         add(10, DesignQuantity::OutputPower, output, None, None);
         for Check { step, quantity, value, bounds } in requirement.rules(&axis, dynamic) {
-            add(step, quantity, value, bounds.least, bounds.most);
+            add(step, quantity, value, bounds.min, bounds.max);
         }
         let longest = requirement.make.longest(requirement.grade, screw.outer);
         if let Some(shaft) = &axis.shaft {

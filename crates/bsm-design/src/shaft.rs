@@ -233,7 +233,7 @@ impl Shaft {
     /// that they constrain \[N/m\] (AA5).
     ///
     /// * `bearing`: axial stiffness of each bearing \[N/m\], infinite for a rigid bearing.
-    pub fn held(&self, bearing: f64) -> f64 {
+    pub fn constraint_stiffness(&self, bearing: f64) -> f64 {
         // C = l/EA + 2/K_b                                                (AA5)
         (self.length / (self.youngs_modulus * self.section()) + 2.0 / bearing).recip()
     }
@@ -246,30 +246,31 @@ impl Shaft {
     /// ```
     ///
     /// * `growth`: free expansion of the screw per kelvin \[m/K\].
-    /// * `bearing`: axial stiffness of each bearing, as in [`held`](Self::held).
+    /// * `bearing`: axial stiffness of each bearing, as in [`constraint_stiffness`](Self::constraint_stiffness).
     /// * `stretched`: pretension, expressed as a temperature difference \[K\].
     /// * `rise`: temperature difference between screw and bed \[K\].
     ///
     /// Source: GY Ballscrew, "The influence of ball screw pretension"; THK, A-715.
     pub fn tension(&self, growth: f64, bearing: f64, stretched: f64, rise: f64) -> f64 {
         // F_v = α_T l (ΔT_v − ΔT)/C                                       (AA5)
-        growth * (stretched - rise) * self.held(bearing)
+        growth * (stretched - rise) * self.constraint_stiffness(bearing)
     }
 
     /// Returns the pretension as a temperature difference \[K\] for a given tension \[N\]. It is
     /// the inverse of [`tension`](Self::tension).
     pub fn stretched_by(&self, growth: f64, bearing: f64, tension: f64) -> f64 {
         // ΔT_v = F_v C/(α_T l)                                            (AA5)
-        tension / (growth * self.held(bearing))
+        tension / (growth * self.constraint_stiffness(bearing))
     }
 
     /// Returns the fraction of the thermal expansion that remains between two fixed bearings
     /// because of their compliance.
     ///
-    /// * `bearing`: axial stiffness of each bearing, as in [`held`](Self::held).
+    /// * `bearing`: axial stiffness of each bearing, as in [`constraint_stiffness`](Self::constraint_stiffness).
     pub fn growth_left(&self, bearing: f64) -> f64 {
         // 1 − (l/EA)/C                                                    (AA5)
-        1.0 - self.held(bearing) * self.length / (self.youngs_modulus * self.section())
+        1.0 - self.constraint_stiffness(bearing) * self.length
+            / (self.youngs_modulus * self.section())
     }
 }
 

@@ -61,7 +61,7 @@ impl Requirement {
         let (first, failed_rules) = first_accepted(&kept.iter().collect::<Vec<_>>(), accepted);
         if let Some(design) = first {
             let design = complete(design);
-            let active = self.holds_back(&failed, &design, complete);
+            let active = self.limits_of_better_designs(&failed, &design, complete);
             return Some(Outcome::Found { design, active, failed_rules });
         }
         if let [best, ..] = &kept[..] {
@@ -72,7 +72,7 @@ impl Requirement {
 
     /// Returns the limits that rule out better designs than the selected design. If no single limit
     /// does so, returns the limits that the nearest better design violates.
-    fn holds_back(
+    fn limits_of_better_designs(
         &self,
         failed: &[Design],
         chosen: &Design,

@@ -11,9 +11,7 @@ pub enum ReportError {
     #[error("picture: {0}")]
     Picture(String),
     /// The program was built without the feature that draws pictures.
-    #[error(
-        "this program was built without the feature `plot`; build it with this feature to draw"
-    )]
+    #[error("this program was built without the feature `plot`; build bsm with this feature")]
     NotBuilt,
     /// An HTML page cannot be created.
     #[error("page: {0}")]

@@ -9,7 +9,7 @@ use kuva::render::layout::TickFormat;
 use kuva::render::render::{PathData, Primitive, Scene as Drawing, render_multiple};
 
 use crate::map::png_of;
-use crate::{Curve, Figure, PlotAxis, ReportError, Stroke, number};
+use crate::{Curve, Figure, PlotAxis, ReportError, Stroke, format_number};
 
 impl Stroke {
     fn is_line(self) -> bool {
@@ -111,7 +111,7 @@ impl Figure {
         let text = |(i, (x, y)): &(usize, &(f64, f64))| {
             let names = curve.label.iter().chain(curve.marks.get(*i));
             let values = [(&self.x, *x), (&self.y, *y)]
-                .map(|(axis, value)| format!("{}: {}", axis.label, number(value)));
+                .map(|(axis, value)| format!("{}: {}", axis.label, format_number(value)));
             names.chain(&values).map(String::as_str).collect::<Vec<_>>().join("\n")
         };
         let points = ScatterPlot::new().with_data(picked().map(|(_, point)| **point));

@@ -6,13 +6,13 @@ mod error;
 mod figure;
 #[cfg(feature = "plot")]
 mod map;
+#[cfg(not(feature = "plot"))]
+mod no_plot;
 mod page;
 mod plots;
 pub mod sheets;
-#[cfg(not(feature = "plot"))]
-mod undrawn;
 
-pub use bsm_case::{number, short};
+pub use bsm_case::{format_number, format_short};
 pub use dxf::groove_dxf;
 pub use error::ReportError;
 pub use page::{PROGRAM, Page, STYLE, figure_files, report_files};

@@ -5,7 +5,7 @@ use minijinja::value::Value;
 use minijinja::{Environment, UndefinedBehavior, context};
 use serde::Serialize;
 
-use crate::{Figure, ReportError, number, short};
+use crate::{Figure, ReportError, format_number, format_short};
 
 /// Name and version of the program, as written into the files that it creates.
 pub const PROGRAM: &str = concat!("bsm ", env!("CARGO_PKG_VERSION"));
@@ -54,8 +54,8 @@ impl Page<'_> {
         let mut environment = Environment::new();
         // In strict mode, an unknown name is an error instead of an empty cell.
         environment.set_undefined_behavior(UndefinedBehavior::Strict);
-        environment.add_filter("number", number);
-        environment.add_filter("short", short);
+        environment.add_filter("number", format_number);
+        environment.add_filter("short", format_short);
         environment.add_filter("unit", unit);
         environment.add_filter("symbol", |text: &str| Value::from_safe_string(symbol(text)));
         for (name, source) in PARTS {

@@ -1,6 +1,6 @@
 //! Figures and maps as data.
 
-use bsm_case::{DisplayUnits, exact};
+use bsm_case::{DisplayUnits, format_exact};
 use serde::Deserialize;
 
 use crate::ReportError;
@@ -141,8 +141,8 @@ impl Figure {
             let label = curve.label.as_deref().unwrap_or_default();
             for (i, (x, y)) in curve.points.iter().enumerate() {
                 let mark = curve.marks.get(i).map_or("", String::as_str);
-                let y = if y.is_finite() { exact(*y) } else { String::new() };
-                table.write_record([label, mark, &exact(*x), &y])?;
+                let y = if y.is_finite() { format_exact(*y) } else { String::new() };
+                table.write_record([label, mark, &format_exact(*x), &y])?;
             }
         }
         text_of_table(table)

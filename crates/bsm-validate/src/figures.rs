@@ -4,7 +4,7 @@
 
 use bsm_case::{Case, Settings, WarmBranch};
 use bsm_dyn::{Control, Model, Solution, model::RacewayFriction};
-use bsm_report::sheets::{around_cases, catalog_figures, points, warm_preload};
+use bsm_report::sheets::{catalog_figures, lin_figures_with_fig5_case, points, warm_preload};
 use bsm_report::{Curve, Figure, PlotAxis, Stroke};
 
 use crate::{PublishedData, ValidateError, dong2020, elastic, lin1994, xu2015};
@@ -16,7 +16,7 @@ use crate::{PublishedData, ValidateError, dong2020, elastic, lin1994, xu2015};
 /// Returns [`ValidateError`] if the published data are invalid.
 pub fn figures(published: &PublishedData) -> Result<Vec<Figure>, ValidateError> {
     let case = published.lin_case.case()?;
-    let mut figures = around_cases(&case, &lin1994::slender(&case))?;
+    let mut figures = lin_figures_with_fig5_case(&case, &lin1994::slender(&case))?;
     figures.push(transition(&elastic::lin(published)?)?);
     figures.extend(xu2015::study(published, Model::RacewayControl, Control::Nut)?.figures);
     figures.extend(xu2015::study(published, Model::Rigid, Control::Nut)?.figures);

@@ -52,11 +52,11 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     }
     checks.extend(against_prototype(&estimates));
     checks.extend(against_prototype_bands(&estimates)?);
-    for split in Split::all(&file) {
-        checks.extend(split.rates());
-        if split.limits.is_some() {
-            checks.extend(split.widths()?);
-            checks.extend(split.contained()?);
+    for test_set in TestSet::all(&file) {
+        checks.extend(test_set.rates());
+        if test_set.limits.is_some() {
+            checks.extend(test_set.widths()?);
+            checks.extend(test_set.contained()?);
         }
     }
     checks.extend(refusals(&file));
@@ -64,7 +64,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
 }
 
 /// A set of catalog rows, and the prior with which the groove of each row is estimated.
-struct Split<'a> {
+struct TestSet<'a> {
     /// Word that identifies this set of rows in the keys of its checks.
     key: String,
     /// Description of the rows to which the prior was fitted, and of the rows whose grooves are
@@ -75,7 +75,7 @@ struct Split<'a> {
     limits: Option<&'static str>,
 }
 
-impl<'a> Split<'a> {
+impl<'a> TestSet<'a> {
     /// Returns three kinds of sets: all rows, with the built-in prior; each half of the rows, with
     /// a prior that is fitted to the other half; and the rows of each manufacturer, with a prior
     /// that is fitted to the other manufacturers.
@@ -490,7 +490,7 @@ const KNOWN: [(&str, &str, Known); 5] = {
     ]
 };
 
-impl Split<'_> {
+impl TestSet<'_> {
     /// Determines, for each set of known quantities, how often the most likely ball diameter is
     /// correct, and how often the correct diameter is among the likely diameters.
     fn rates(&self) -> Vec<Check> {
@@ -590,7 +590,7 @@ fn band_of(row: &Row, found: &GrooveEstimate, value: GrooveValue) -> Result<Band
     band(found, value).map_err(|why| ValidateError::of(&row.name, format!("{why:?}")))
 }
 
-impl Split<'_> {
+impl TestSet<'_> {
     /// Calculates, for each result, the median width of its band over all rows.
     fn widths(&self) -> Result<Vec<Check>, ValidateError> {
         let mut checks = Vec::new();

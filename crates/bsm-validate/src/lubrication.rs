@@ -36,7 +36,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     let bearing = reference_case(published, "thrust-bearing-limit")?;
     checks.extend(against_skf(&bearing, work)?);
     checks.push(against_palmgren(&bearing, work)?);
-    checks.extend(pieces(&bearing, work)?);
+    checks.extend(film_and_rolling_force(&bearing, work)?);
     checks.push(drag_over_preload(&feed, work)?);
     checks.extend(trends(&feed, work)?);
     Ok(checks)
@@ -139,7 +139,7 @@ fn solution(
 
 /// Returns the smallest value, the median and the largest value. All three are NaN if any value is
 /// NaN or if there are no values.
-fn spread(mut numbers: Vec<f64>) -> [f64; 3] {
+fn min_median_max(mut numbers: Vec<f64>) -> [f64; 3] {
     if numbers.iter().any(|number| number.is_nan()) {
         return [f64::NAN; 3];
     }
@@ -170,7 +170,7 @@ fn skf(diameter: f64, viscosity: f64, speed: f64, load: f64) -> [f64; 2] {
 }
 
 /// A bearing at one operating point, and the solution at this point.
-struct Turning {
+struct BearingPoint {
     /// Axial load on the bearing \[N\].
     load: f64,
     /// Rotational speed of the bearing \[1/min\].
@@ -179,7 +179,7 @@ struct Turning {
     record: Record,
 }
 
-impl Turning {
+impl BearingPoint {
     /// Returns the kinematic viscosity of the oil \[mm²/s\].
     fn viscosity(&self) -> f64 {
         let density = 880.0 * (1.0 - 6.5e-4 * (self.celsius - 15.0));
@@ -196,11 +196,11 @@ impl Turning {
 
 /// Solves a bearing at all combinations of the given loads, speeds and temperatures. The bearing is
 /// modeled as a screw with zero lead.
-fn turning(
+fn solve_bearing(
     bearing: &Case,
     (loads, speeds, temperatures): (&[f64], &[f64], &[f64]),
     work: &mut ModelWorkspace,
-) -> Result<Vec<Turning>, ValidateError> {
+) -> Result<Vec<BearingPoint>, ValidateError> {
     let mut all = Vec::new();
     for &load in loads {
         for &speed in speeds {
@@ -210,7 +210,7 @@ fn turning(
                 case.set("screw_speed_rpm", speed)?;
                 case.set("lubricant_temperature_C", celsius)?;
                 let record = solve(&case, Model::RacewayControl, work)?;
-                all.push(Turning { load, speed, celsius, record });
+                all.push(BearingPoint { load, speed, celsius, record });
             }
         }
     }
@@ -225,7 +225,7 @@ fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
         &[40.0, 60.0, 80.0][..],
     );
     let (mut whole, mut rolling) = (Vec::new(), Vec::new());
-    for at in turning(bearing, over, work)? {
+    for at in solve_bearing(bearing, over, work)? {
         let (viscosity, moments) = (at.viscosity(), at.moments());
         if viscosity * at.speed > 1.1e5 {
             continue;
@@ -236,7 +236,7 @@ fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
     }
     let points = whole.len();
     let check = |key: &str, what: &str, numbers: Vec<f64>| {
-        let [least, middle, most] = spread(numbers);
+        let [least, middle, most] = min_median_max(numbers);
         Check::new(
             &format!("lubrication/{key}"),
             BEARING,
@@ -276,13 +276,13 @@ fn against_palmgren(bearing: &Case, work: &mut ModelWorkspace) -> Result<Check, 
         &[300.0, 1000.0, 3000.0, 5000.0][..],
         &[40.0, 55.0, 70.0][..],
     );
-    let ratio = |at: &Turning| {
+    let ratio = |at: &BearingPoint| {
         let [rolls, slides] = at.moments();
         (rolls + slides) / palmgren(60.0, at.viscosity(), at.speed, at.load)
     };
-    let ratios: Vec<_> = turning(bearing, over, work)?.iter().map(ratio).collect();
+    let ratios: Vec<_> = solve_bearing(bearing, over, work)?.iter().map(ratio).collect();
     let points = ratios.len();
-    let [least, middle, most] = spread(ratios);
+    let [least, middle, most] = min_median_max(ratios);
     Ok(Check::new(
         "lubrication/palmgren",
         PALMGREN,
@@ -295,7 +295,7 @@ fn against_palmgren(bearing: &Case, work: &mut ModelWorkspace) -> Result<Check, 
 
 /// Dimensionless data of the contact between a ball and the outer raceway of a bearing. The film
 /// thickness and the rolling force in this contact are compared with other formulas.
-struct Outer {
+struct OuterContact {
     /// Effective radius perpendicular to the rolling direction, divided by the effective radius in
     /// the rolling direction.
     across: f64,
@@ -314,7 +314,7 @@ struct Outer {
     rolling: f64,
 }
 
-impl Outer {
+impl OuterContact {
     /// * `oil`: properties of the oil at the oil temperature.
     /// * `(ball, pitch)`: ball radius and pitch circle radius \[m\]. The conformity is 0.52.
     fn of(record: &Record, oil: &OilState, conductivity: f64, (ball, pitch): (f64, f64)) -> Self {
@@ -380,7 +380,10 @@ impl Outer {
 }
 
 /// Compares film thickness and rolling force at the balls of a bearing with other formulas.
-fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], ValidateError> {
+fn film_and_rolling_force(
+    bearing: &Case,
+    work: &mut ModelWorkspace,
+) -> Result<[Check; 2], ValidateError> {
     let base = BaseOil::Mineral;
     let viscosities = Oil::of_grade(68.0).unwrap_or([f64::NAN; 2]);
     let oil = Oil {
@@ -400,9 +403,9 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
         &[30.0, 100.0, 300.0, 1000.0, 3000.0][..],
         &[30.0, 70.0][..],
     );
-    for Turning { celsius, record, .. } in turning(&flooded, over, work)? {
+    for BearingPoint { celsius, record, .. } in solve_bearing(&flooded, over, work)? {
         let warm = oil.at(celsius + ZERO_CELSIUS);
-        let outer = Outer::of(&record, &warm, base.conductivity(), (5.95e-3, 30e-3));
+        let outer = OuterContact::of(&record, &warm, base.conductivity(), (5.95e-3, 30e-3));
         forces.push(outer.rolling / outer.houpert());
         // If weight/rate^(3/4) is below 40, the surfaces are practically rigid, and the film
         // formula of Hamrock and Dowson does not apply. For a point without a solution, this ratio
@@ -414,7 +417,7 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
     }
     let check = |key: &str, source: &str, what: &str, ratios: Vec<f64>| {
         let points = ratios.len();
-        let [least, middle, most] = spread(ratios);
+        let [least, middle, most] = min_median_max(ratios);
         let worst = largest([1.0 - least, most - 1.0]);
         Check::new(&format!("lubrication/{key}"), source, what).measured(worst, "").note(format!(
             "ratios at {points} points: {least:.2} to {most:.2}, median {middle:.3}; the factors were quoted from memory"
@@ -484,14 +487,14 @@ fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, Validate
         TRENDS,
         "efficiency increases with the load at 1000 rpm (Zhou 2018)",
     )
-    .measured(spread(gains)[0], "")
+    .measured(min_median_max(gains)[0], "")
     .note("smallest increase from 1 to 8 kN")
     .at_least(0.0, "the efficiency increases");
     let mut curve = Vec::new();
     for speed in [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 4000.0] {
         curve.push(at(3000.0, speed, output!(equivalent_friction_coefficient))?);
     }
-    let [least, ..] = spread(curve.clone());
+    let [least, ..] = min_median_max(curve.clone());
     let lower_end = curve[0].min(curve[curve.len() - 1]);
     let stribeck = Check::new(
         "lubrication/stribeck-minimum",

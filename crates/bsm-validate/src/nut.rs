@@ -280,7 +280,7 @@ impl CatalogRow {
 }
 
 /// Returns the mean and the standard deviation of the values.
-fn spread(values: &[f64]) -> [f64; 2] {
+fn mean_and_deviation(values: &[f64]) -> [f64; 2] {
     #[expect(clippy::cast_precision_loss, reason = "rows of a table")]
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -297,7 +297,7 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
         let values: Vec<f64> = ratios.iter().map(read).collect();
         let line = |(row, ratio): (&CatalogRow, &f64)| format!("{} {ratio:.3}", row.nut);
         let details: Vec<_> = rows.iter().zip(&values).map(line).collect();
-        (spread(&values), details.join("; "))
+        (mean_and_deviation(&values), details.join("; "))
     };
     let check = |key: &str, claim: &str, read: &dyn Fn(&Ratios) -> f64| {
         let ([mean, deviation], details) = of(read);
@@ -334,7 +334,7 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
             CATALOG,
             "ratio of FDI to FSI, which is 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3)) because their definitions differ",
         )
-        .measured(spread(&definition)[0], "")
+        .measured(mean_and_deviation(&definition)[0], "")
         .equals(
             2.0_f64.powf(1.5) * 0.1 / (0.3_f64.cbrt() * 0.1_f64.powf(2.0 / 3.0)),
             0.03,

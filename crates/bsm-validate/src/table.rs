@@ -23,10 +23,12 @@ use crate::{Check, PublishedData, ValidateError};
 /// Statistic that is calculated from the values at several points.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum Fold {
+enum Statistic {
     Largest,
-    Least,
-    Middle,
+    #[serde(rename = "least")]
+    Smallest,
+    #[serde(rename = "middle")]
+    Median,
     /// Difference between the largest and the smallest value.
     Change,
 }
@@ -53,7 +55,7 @@ struct Row {
     /// several sets of points.
     points: String,
     value: String,
-    fold: Option<Fold>,
+    fold: Option<Statistic>,
     /// Expected number of points without a value, by default 0.
     missing: Option<usize>,
     unit: String,
@@ -71,7 +73,7 @@ struct Row {
 }
 
 /// Values of the variables in an expression, by name. The outputs of a model are in a nested map.
-type Known = BTreeMap<String, Value>;
+type Variables = BTreeMap<String, Value>;
 
 /// Evaluates all rows of the table, and returns one check per row.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
@@ -128,11 +130,11 @@ impl Row {
         if solved > 0 && solved + self.missing.unwrap_or(0) == points {
             let (least, most) = (found[0].0, found[solved - 1].0);
             let (value, known) = match self.fold {
-                None | Some(Fold::Least) => &found[0],
-                Some(Fold::Middle) => &found[(solved - 1) / 2],
-                Some(Fold::Largest | Fold::Change) => &found[solved - 1],
+                None | Some(Statistic::Smallest) => &found[0],
+                Some(Statistic::Median) => &found[(solved - 1) / 2],
+                Some(Statistic::Largest | Statistic::Change) => &found[solved - 1],
             };
-            measured = if let Some(Fold::Change) = self.fold { most - least } else { *value };
+            measured = if let Some(Statistic::Change) = self.fold { most - least } else { *value };
             let own = context! { least, most, solved, points };
             words =
                 note.render(context! { ..own, ..Value::from_serialize(known) }).map_err(wrong)?;
@@ -193,8 +195,8 @@ fn points(case: &Case, settings: &str) -> Result<Vec<Case>, CaseError> {
 }
 
 /// Returns the values of the named inputs and outputs at a point. Missing values are NaN.
-fn known(case: &Case, names: &BTreeSet<String>) -> Result<Known, ValidateError> {
-    let mut known = Known::new();
+fn known(case: &Case, names: &BTreeSet<String>) -> Result<Variables, ValidateError> {
+    let mut known = Variables::new();
     let mut of_models = BTreeMap::<_, BTreeMap<&str, f64>>::new();
     for name in names {
         if let Some((model, column)) = name.split_once('.') {

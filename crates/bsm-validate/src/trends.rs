@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use bsm_report::sheets::{Course, Study};
-use bsm_report::{number, short};
+use bsm_report::sheets::{NamedCurve, Study};
+use bsm_report::{format_number, format_short};
 use serde::Deserialize;
 
 use crate::published::File;
@@ -101,7 +101,7 @@ fn slope(points: &[(f64, f64)], within: impl Fn(f64) -> bool) -> f64 {
 }
 
 /// Returns the difference between the largest and the smallest y of a curve.
-fn spread(points: &[(f64, f64)]) -> f64 {
+fn range(points: &[(f64, f64)]) -> f64 {
     let values = || points.iter().map(|(_, y)| *y).filter(|y| y.is_finite());
     values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
 }
@@ -121,29 +121,33 @@ impl Trend {
     fn describe(&self, setting: &str) -> String {
         let Self { curve, first, last, .. } = self;
         let holds = if self.holds { "holds" } else { "does not hold" };
-        let (from, to) = (short(first.0), short(last.0));
+        let (from, to) = (format_short(first.0), format_short(last.0));
         let does = match self.shape {
             Shape::Rises => format!("rises from {from} to {to}"),
             Shape::Falls => format!("falls from {from} to {to}"),
             Shape::Constant => format!("is constant from {from} to {to}"),
             Shape::Turns(at) => {
                 let way = if last.1 > first.1 { "higher" } else { "lower" };
-                format!("has an extremum at {} and ends {way} than it begins", short(at))
+                format!("has an extremum at {} and ends {way} than it begins", format_short(at))
             }
         };
-        format!("{curve}{setting}: {holds}, {} to {}, {does}", number(first.1), number(last.1))
+        format!(
+            "{curve}{setting}: {holds}, {} to {}, {does}",
+            format_number(first.1),
+            format_number(last.1)
+        )
     }
 }
 
-fn named<'a>(study: &'a Study, name: &'a str) -> impl Iterator<Item = &'a Course> {
-    study.courses.iter().filter(move |course| course.name == name)
+fn named<'a>(study: &'a Study, name: &'a str) -> impl Iterator<Item = &'a NamedCurve> {
+    study.named_curves.iter().filter(move |curve| curve.name == name)
 }
 
 impl Row {
     /// Compares all curves of a study to which this row applies with the claim.
     fn trends(&self, study: &Study) -> Vec<Trend> {
         let one = |name: &str| match name.split_once('/') {
-            None => named(study, name).filter_map(|course| self.trend(course)).collect::<Vec<_>>(),
+            None => named(study, name).filter_map(|curve| self.trend(curve)).collect::<Vec<_>>(),
             Some((above, below)) => {
                 let pairs = named(study, above).zip(named(study, below));
                 pairs.filter_map(|(above, below)| self.trend(&self.ratio(above, below))).collect()
@@ -154,27 +158,27 @@ impl Row {
 
     /// Returns the ratio of two curves. If the claim is about changes of the curves, this is the
     /// change of the first curve divided by the change of the second.
-    fn ratio(&self, above: &Course, below: &Course) -> Course {
+    fn ratio(&self, above: &NamedCurve, below: &NamedCurve) -> NamedCurve {
         let (mut label, mut points) =
             (format!("{} divided by {}", above.label, below.label), Vec::new());
         if self.claim == Claim::Spreads {
             label = format!("change of {label}");
             let middle = above.points[above.points.len() / 2].0;
-            points.push((middle, spread(&above.points) / spread(&below.points)));
+            points.push((middle, range(&above.points) / range(&below.points)));
         } else {
             let both = above.points.iter().zip(&below.points);
             points.extend(both.map(|(above, below)| (above.0, above.1 / below.1)));
         }
-        Course { name: String::new(), label, points, rounding: 0.0 }
+        NamedCurve { name: String::new(), label, points, rounding: 0.0 }
     }
 
     /// Compares a curve with the claim in the claimed range of x. Points whose y is NaN or infinite
     /// are left out.
-    fn trend(&self, course: &Course) -> Option<Trend> {
+    fn trend(&self, curve: &NamedCurve) -> Option<Trend> {
         let range = self.from.unwrap_or(f64::NEG_INFINITY)..=self.to.unwrap_or(f64::INFINITY);
-        let rounding = course.rounding;
+        let rounding = curve.rounding;
         let clean = |(x, y): (f64, f64)| (x, if y.abs() <= rounding { 0.0 } else { y });
-        let points = course.points.iter().copied();
+        let points = curve.points.iter().copied();
         let points: Vec<_> =
             points.filter(|(x, y)| y.is_finite() && range.contains(x)).map(clean).collect();
         let shape = Shape::of(&points, rounding);
@@ -189,7 +193,7 @@ impl Row {
             Claim::Exceeds | Claim::Spreads => points.iter().all(|(_, y)| *y > 1.0),
         };
         let (first, last) = (*points.first()?, *points.last()?);
-        Some(Trend { curve: course.label.clone(), shape, holds, first, last })
+        Some(Trend { curve: curve.label.clone(), shape, holds, first, last })
     }
 }
 
@@ -225,7 +229,7 @@ pub(crate) fn checks(
     for (label, _, study) in studies {
         let of_label = rows.iter().filter(|row| row.trend.starts_with(label));
         let known: BTreeSet<_> = of_label.flat_map(|row| row.curves.split([' ', '/'])).collect();
-        let names = study.courses.iter().map(|course| course.name.as_str());
+        let names = study.named_curves.iter().map(|curve| curve.name.as_str());
         let left = names.filter(|name| !known.contains(name));
         unknown.extend(left.map(|name| format!("{key}/{label}{name}")));
     }
@@ -262,7 +266,7 @@ mod tests {
     /// outside the range, are ignored.
     #[test]
     fn a_trend_fails_if_one_point_violates_it() {
-        let course = |name: &str, values: &[f64]| Course {
+        let curve = |name: &str, values: &[f64]| NamedCurve {
             name: name.to_owned(),
             label: String::new(),
             points: points(values),
@@ -273,8 +277,8 @@ mod tests {
             let text = format!("{header}\na,b,c{claim},1,1\n");
             let row = csv::Reader::from_reader(text.as_bytes()).into_deserialize().next();
             let row: Row = row.expect("a row").expect("as the table is");
-            let curves = vec![course("c", values), course("one", &[1.0, 2.0, 2.5])];
-            let found = row.trends(&Study { figures: Vec::new(), courses: curves });
+            let curves = vec![curve("c", values), curve("one", &[1.0, 2.0, 2.5])];
+            let found = row.trends(&Study { figures: Vec::new(), named_curves: curves });
             found.first().map(|trend| trend.holds)
         };
         assert_eq!(trend(",falls,,,", &[3.0, f64::NAN, 1.0]), Some(true));

@@ -1,7 +1,7 @@
 // The page shows one case in all panels. Every change sends a new request.
 
 import { display, html, narrow, parsed } from "bsm/draw";
-import { ask, Gone, served, start } from "bsm/source";
+import { ask, ServerStopped, served, start } from "bsm/source";
 import { Inputs } from "bsm/inputs";
 import { showKey, showNumbers } from "bsm/results";
 import { Space } from "bsm/space";
@@ -12,17 +12,17 @@ import { ModelMap } from "bsm/map";
 import { showModels } from "bsm/models";
 import { showNut, showWarm } from "bsm/nut";
 import { showAxis } from "bsm/axis";
-import { Beside } from "bsm/beside";
+import { Comparison } from "bsm/comparison";
 import { download, offer } from "bsm/save";
 
-const at = (id) => document.getElementById(id);
+const element = (id) => document.getElementById(id);
 const panels = ["key", "space", "section", "ellipses", "losses", "map", "models", "nut", "axis", "beside", "numbers"];
-const space = new Space(at("space")), ellipses = new Ellipses(at("ellipses"));
-const inputs = new Inputs(at("inputs"), () => changed());
-const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values),
-  ask: (route, body, signal) => ask(route, body, turn, signal),
-  again: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
-const beside = new Beside(at("beside"), { edit: (entries) => load(entries), changed: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
+const space = new Space(element("space")), ellipses = new Ellipses(element("ellipses"));
+const inputs = new Inputs(element("inputs"), () => changed());
+const map = new ModelMap(element("map"), { moved: (values) => inputs.put(values),
+  ask: (route, body, signal) => ask(route, body, requestNumber, signal),
+  again: () => { requestNumber += 1; clearTimeout(slowTimer); remember(); void updateSlowPanels(); } });
+const comparison = new Comparison(element("beside"), { edit: (entries) => load(entries), changed: () => { requestNumber += 1; clearTimeout(slowTimer); remember(); void updateSlowPanels(); } });
 let settings = { ...start.settings };
 
 /** Selects the display units of a case for all pictures. */
@@ -34,106 +34,106 @@ const request = () => ({ case: inputs.case, settings });
 // --- Requests are sent in rounds, one round at a time. If the case changes during a round, the next round starts when the current
 // round ends. Each round first requests the numbers. The pictures follow in the next frame, and the slow panels follow when the case
 // no longer changes. Any change of the case cancels the requests for slow panels.
-let turn = 0, running = false, slow, late = new AbortController();
+let requestNumber = 0, running = false, slowTimer, slowRequests = new AbortController();
 
 function changed() {
-  turn += 1; late.abort(); clearTimeout(slow);
-  at("json").value = JSON.stringify(inputs.case, null, 2);
+  requestNumber += 1; slowRequests.abort(); clearTimeout(slowTimer);
+  element("json").value = JSON.stringify(inputs.case, null, 2);
   title();
   remember();
   space.hold(true);
-  if (!running) void follow();
+  if (!running) void updateUntilCurrent();
 }
 
 /** Returns the answer, or the error if the request fails. */
-const attempt = (route, body, signal) => ask(route, body, turn, signal).catch((error) => error);
+const attempt = (route, body, signal) => ask(route, body, requestNumber, signal).catch((error) => error);
 
 /** Waits until the next frame is drawn. A hidden page does not wait, because it draws no frames. */
 const frame = () => new Promise((then) => { const go = () => setTimeout(then); if (document.hidden) go(); else requestAnimationFrame(go); });
 
 /** Sends requests until the page shows the current case and settings. */
-async function follow() {
+async function updateUntilCurrent() {
   running = true;
-  let drawn = Promise.resolve(), asked;
-  while (asked !== turn) {
-    asked = turn;
+  let drawn = Promise.resolve(), sentNumber;
+  while (sentNumber !== requestNumber) {
+    sentNumber = requestNumber;
     const body = structuredClone(request()), point = await attempt("point", body);
     await drawn;
-    try { tell(body, point); } catch (error) { complain(error); console.error(error); }
-    drawn = frame().then(() => { if (!(point instanceof Error)) picture(body, point); }).catch((error) => { complain(error); console.error(error); });
+    try { showPoint(body, point); } catch (error) { complain(error); console.error(error); }
+    drawn = frame().then(() => { if (!(point instanceof Error)) drawPoint(body, point); }).catch((error) => { complain(error); console.error(error); });
   }
   await drawn;
   running = false;
   // If the case changed while the last picture was being drawn, a new round starts.
-  if (asked !== turn) void follow(); else slow = setTimeout(() => void rest(), 120);
+  if (sentNumber !== requestNumber) void updateUntilCurrent(); else slowTimer = setTimeout(() => void updateSlowPanels(), 120);
 }
 
 function complain(error) {
-  const alert = at("alert");
+  const alert = element("alert");
   alert.hidden = !error;
   if (!error) { inputs.blame(null); return; }
-  const named = !(error instanceof Gone) && inputs.blame(error.message);
+  const named = !(error instanceof ServerStopped) && inputs.blame(error.message);
   alert.textContent = error.message;
   alert.dataset.named = named;
 }
 
-const stale = (ids, on) => ids.forEach((id) => at(id).classList.toggle("stale", on));
+const markStale = (ids, on) => ids.forEach((id) => element(id).classList.toggle("stale", on));
 
 let shown = { solved: null, nut: null };
 
 /** Shows the numbers, and the pictures that are drawn quickly. */
-function tell({ case: entries }, point) {
-  if (point instanceof Error) { complain(point); stale(panels, true); return; }
+function showPoint({ case: entries }, point) {
+  if (point instanceof Error) { complain(point); markStale(panels, true); return; }
   const { solve: solved, slip } = point;
   complain(null);
   inUnitsOf(entries);
-  stale(["key", "space", "section", "ellipses", "losses", "numbers"], false);
+  markStale(["key", "space", "section", "ellipses", "losses", "numbers"], false);
   shown.solved = solved;
-  at("regime").textContent = solved.regime ?? "";
-  showKey(at("key"), solved);
-  showNumbers(at("numbers"), solved);
-  showSection(at("section"), entries, solved);
-  showLosses(at("losses"), solved, slip);
-  beside.show(entries, solved);
+  element("regime").textContent = solved.regime ?? "";
+  showKey(element("key"), solved);
+  showNumbers(element("numbers"), solved);
+  showSection(element("section"), entries, solved);
+  showLosses(element("losses"), solved, slip);
+  comparison.show(entries, solved);
   map.point(entries);
 }
 
-function picture({ case: entries }, { solve: solved, ellipses: fields }) {
+function drawPoint({ case: entries }, { solve: solved, ellipses: fields }) {
   ellipses.show(fields);
   space.show(entries, solved, shown.nut);
 }
 
 /** Updates the slow panels. */
-async function rest() {
+async function updateSlowPanels() {
   if (running) return;
   space.hold(false);
-  if (!at("alert").hidden) return;
-  late.abort(); late = new AbortController();
-  const { signal } = late, body = structuredClone(request());
+  if (!element("alert").hidden) return;
+  slowRequests.abort(); slowRequests = new AbortController();
+  const { signal } = slowRequests, body = structuredClone(request());
   const then = (route, more, act) => attempt(route, { ...body, ...more }, signal).then((answer) => { if (!signal.aborted) act(answer); });
   const banded = shown.solved?.equivalent_friction_coefficient != null;
   await Promise.all([
-    then("compare", {}, (answer) => { showModels(at("models"), answer, shown.solved); stale(["models"], false); }),
+    then("compare", {}, (answer) => { showModels(element("models"), answer, shown.solved); markStale(["models"], false); }),
     then("nut", {}, (answer) => {
       shown.nut = answer instanceof Error ? null : answer;
-      showNut(at("nut"), answer); stale(["nut"], false);
+      showNut(element("nut"), answer); markStale(["nut"], false);
       space.show(body.case, shown.solved, shown.nut);
-      if (answer.warm) void then("warm", {}, (branch) => showWarm(at("nut"), branch, answer));
+      if (answer.warm) void then("warm", {}, (branch) => showWarm(element("nut"), branch, answer));
     }),
     then("axis", {}, (answer) => {
       // A case without axis inputs is only a screw, although some rules of an axis apply to it.
-      at("axis").parentElement.hidden = !start.schema.inputs.some(({ group, name }) => group === "axis" && name in body.case);
-      showAxis(at("axis"), answer, () => sheet(body)); stale(["axis"], false);
+      element("axis").parentElement.hidden = !start.schema.inputs.some(({ group, name }) => group === "axis" && name in body.case);
+      showAxis(element("axis"), answer, () => sheet(body)); markStale(["axis"], false);
     }),
-    beside.solve((entries) => attempt("point", { case: entries, settings: body.settings }, signal).then((answer) => answer.solve ?? answer)),
+    comparison.solve((entries) => attempt("point", { case: entries, settings: body.settings }, signal).then((answer) => answer.solve ?? answer)),
     banded ? then("solve", { parts: false, band: true },
-      (answer) => { if (!(answer instanceof Error)) { showKey(at("key"), answer);
-        showLosses(at("losses"), answer, null); } }) : null,
+      (answer) => { if (!(answer instanceof Error)) { showKey(element("key"), answer);
+        showLosses(element("losses"), answer, null); } }) : null,
   ]);
   // The map is requested last, because its calculation uses all cores.
   if (!signal.aborted) await map.show(body, signal);
   if (signal.aborted) return;
-  stale(["map"], false);
+  markStale(["map"], false);
   document.documentElement.dataset.settled = String(Number(document.documentElement.dataset.settled ?? 0) + 1);
 }
 
@@ -145,7 +145,7 @@ async function sheet(body) {
 }
 
 // --- The address contains the state of the page, so that reloading the page or opening a link restores this state.
-const state = () => ({ case: inputs.case, settings, map: map.choice(), beside: beside.kept.map(({ case: entries }) => entries) });
+const state = () => ({ case: inputs.case, settings, map: map.choice(), beside: comparison.kept.map(({ case: entries }) => entries) });
 let usual, remembering;
 
 function remember() {
@@ -163,7 +163,7 @@ function recall() {
     const { case: entries, settings: set, map: choice, beside: cases } = JSON.parse(decodeURIComponent(location.hash.slice(1)));
     Object.assign(settings, set);
     head();
-    beside.take(cases.map((entries) => ({ case: entries })));
+    comparison.take(cases.map((entries) => ({ case: entries })));
     load(entries, choice);
     return true;
   } catch (error) { complain(new Error(`The part of the address after # is invalid: ${error.message}`)); return false; }
@@ -172,35 +172,35 @@ function recall() {
 // --- The page header.
 function title() {
   const words = inputs.case.description ?? "A ball screw";
-  at("title").textContent = words; document.title = `${words} – bsm`;
+  element("title").textContent = words; document.title = `${words} – bsm`;
 }
 
 function head() {
-  at("model").value = settings.name; at("tolerance").value = settings.tolerance;
-  at("tolerance-label").hidden = settings.name !== "auto";
+  element("model").value = settings.name; element("tolerance").value = settings.tolerance;
+  element("tolerance-label").hidden = settings.name !== "auto";
 }
 
-at("model").append(...start.schema.models.map((name) => html("option", { value: name }, name)));
+element("model").append(...start.schema.models.map((name) => html("option", { value: name }, name)));
 head();
-const set = () => { head(); beside.forget(); changed(); };
-const setModel = () => { settings.name = at("model").value; set(); };
-at("model").addEventListener("change", setModel);
-at("tolerance").addEventListener("change",
-  () => { const value = parsed(at("tolerance").value);
+const set = () => { head(); comparison.forget(); changed(); };
+const setModel = () => { settings.name = element("model").value; set(); };
+element("model").addEventListener("change", setModel);
+element("tolerance").addEventListener("change",
+  () => { const value = parsed(element("tolerance").value);
     settings.tolerance = Number.isNaN(value) ? start.settings.tolerance : value; set(); });
 
 const say = (button, words) => { const former = button.textContent; button.textContent = words; setTimeout(() => { button.textContent = former; }, 1200); };
-at("copy").addEventListener("click", async () => {
-  try { await navigator.clipboard.writeText(at("json").value);
-    say(at("copy"), "Copied"); } catch { at("json").closest("details").open = true; at("json").select();
-    say(at("copy"), "Select and copy"); }
+element("copy").addEventListener("click", async () => {
+  try { await navigator.clipboard.writeText(element("json").value);
+    say(element("copy"), "Copied"); } catch { element("json").closest("details").open = true; element("json").select();
+    say(element("copy"), "Select and copy"); }
 });
-at("reset").addEventListener("click", () => load(start.case));
+element("reset").addEventListener("click", () => load(start.case));
 // Saves the case to the file that the option -o specifies. Without this option, the browser downloads the case.
-at("save").addEventListener("click", async () => {
-  if (!start.save) { download("case.json", new Blob([`${at("json").value}\n`], { type: "application/json" })); return; }
+element("save").addEventListener("click", async () => {
+  if (!start.save) { download("case.json", new Blob([`${element("json").value}\n`], { type: "application/json" })); return; }
   const answer = await attempt("save", request());
-  if (answer instanceof Error) complain(answer); else say(at("save"), "Saved");
+  if (answer instanceof Error) complain(answer); else say(element("save"), "Saved");
 });
 
 function load(entries, choice) {
@@ -217,8 +217,8 @@ function read(words, from) {
     load(entries);
   } catch (error) { complain(new Error(`${from}: ${error.message}`)); }
 }
-at("apply").addEventListener("click", () => read(at("json").value, "case"));
-at("file").addEventListener("change", async (event) => { const [file] = event.target.files;
+element("apply").addEventListener("click", () => read(element("json").value, "case"));
+element("file").addEventListener("change", async (event) => { const [file] = event.target.files;
   if (file) read(await file.text(), file.name); event.target.value = ""; });
 for (const [kind, on] of [["dragover", true], ["dragleave", false], ["drop", false]])
   document.addEventListener(kind, async (event) => {
@@ -228,8 +228,8 @@ for (const [kind, on] of [["dragover", true], ["dragleave", false], ["drop", fal
     const [file] = kind === "drop" ? event.dataTransfer.files : [];
     if (file) read(await file.text(), file.name);
   });
-if (innerWidth < 960) at("inputs-fold").open = false;
-at("about").textContent =
+if (innerWidth < 960) element("inputs-fold").open = false;
+element("about").textContent =
   `${start.program}. The solver runs ${served ? "on this machine" : "in this page"}, and no data leave the machine.`;
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (shown.solved) changed(); });
 let width = innerWidth, phone = narrow();
@@ -241,7 +241,7 @@ addEventListener("resize", () => {
 
 for (const panel of document.querySelectorAll(".panel")) offer(panel);
 addEventListener("hashchange", () => recall());
-beside.take(start.beside);
+comparison.take(start.beside);
 inUnitsOf(start.case);
 inputs.show(start.case); map.choices(start.case);
 usual = JSON.stringify(state());

@@ -11,21 +11,21 @@ export const served = start.token !== undefined;
 export class Refused extends Error {}
 
 /** The server no longer answers. */
-export class Gone extends Error {
+export class ServerStopped extends Error {
   constructor() { super("The server has ended. Start `bsm view` again and open its new address. This page still shows its last numbers."); }
 }
 
 /** Random id with which this page identifies itself to the server. */
 const tab = served ? crypto.randomUUID() : "";
 
-/** Sends a request to the server. The server cancels requests from this page that have a lower `turn`. */
-async function fromServer(route, body, turn, signal) {
+/** Sends a request to the server. The server cancels requests from this page that have a lower `requestNumber`. */
+async function fromServer(route, body, requestNumber, signal) {
   let response;
-  const headers = { "Content-Type": "application/json", "X-Bsm-Token": start.token, "X-Bsm-Turn": `${tab}/${turn}` };
+  const headers = { "Content-Type": "application/json", "X-Bsm-Token": start.token, "X-Bsm-Request": `${tab}/${requestNumber}` };
   try {
     response = await fetch(`/${route}`, { method: "POST", headers, body: JSON.stringify(body), signal });
   } catch (error) {
-    throw signal?.aborted ? error : new Gone();
+    throw signal?.aborted ? error : new ServerStopped();
   }
   const answer = await response.json();
   if (!response.ok) throw new Refused(answer.error);
@@ -35,7 +35,7 @@ async function fromServer(route, body, turn, signal) {
 }
 
 /** Sends a request to the solver in this file. */
-async function fromFile(route, body, turn, signal) {
+async function fromFile(route, body, requestNumber, signal) {
   const began = performance.now(), { answer, error } = JSON.parse(await solved(route, JSON.stringify(body), signal));
   if (error !== undefined) throw new Refused(error);
   // Time from the request to the answer [ms].

@@ -7,11 +7,12 @@ use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
     Answer, AxisReport, Case, CaseError, Columns, EllipseFields, FEW_DRAWS, Grid, GridAxis,
     GrooveSection, ModelChoice, MotionAnswer, Numbers, NutProblem, NutReport, Output, Quantity,
-    Record, Row, Scope, Settings, Supplement, WarmBranch, comparison, interval, over_grooves,
+    Record, Row, Scope, Settings, Supplement, WarmBranch, comparison, format_interval,
+    with_groove_intervals,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status, model::RacewayFriction};
 use bsm_report::sheets::{size_figures, size_page, size_results};
-use bsm_report::{PROGRAM, number};
+use bsm_report::{PROGRAM, format_number};
 use serde_json::{Map, Value, json};
 use thiserror::Error;
 
@@ -36,7 +37,7 @@ pub enum Refusal {
     Slow(u64),
     /// The same page has sent a newer request.
     #[error("replaced by a newer request")]
-    Overtaken,
+    Superseded,
     /// Too many stopped calculations are still running.
     #[error("too many stopped calculations are still running; wait, or start bsm view again")]
     Busy,
@@ -137,12 +138,12 @@ fn solved(Request { case, settings, rest }: &Request, parts: bool) -> Result<Val
         return Err(Refusal::Input(text.to_owned()));
     }
     let band = rest.get("band") == Some(&Value::Bool(true));
-    let beside = Supplement { band, parts, sensitivities: None };
-    let answer = record.answer(PROGRAM, case, settings, &beside);
-    let answer = answer.over_grooves(case, FEW_DRAWS, |possible| {
+    let supplement = Supplement { band, parts, sensitivities: None };
+    let answer = record.answer(PROGRAM, case, settings, &supplement);
+    let answer = answer.with_groove_intervals(case, FEW_DRAWS, |possible| {
         let solution = possible.problem(settings).ok()?.solve(&mut ModelWorkspace::default());
-        let beside = Supplement { parts, ..Supplement::default() };
-        Some(Record::new(solution).answer(PROGRAM, possible, settings, &beside))
+        let supplement = Supplement { parts, ..Supplement::default() };
+        Some(Record::new(solution).answer(PROGRAM, possible, settings, &supplement))
     });
     let Value::Object(mut report) = answer.to_json() else {
         return Err(Refusal::Input("the point has no result".to_owned()));
@@ -156,11 +157,13 @@ fn solved(Request { case, settings, rest }: &Request, parts: bool) -> Result<Val
         Some(json!([
             row.quantity.about,
             row.unit,
-            number(row.values[0]?) + &interval(row.bands[0])
+            format_number(row.values[0]?) + &format_interval(row.bands[0])
         ]))
     };
     let contact = |row: &Row| {
-        let cell = |place: usize| Some(number(row.values[place]?) + &interval(row.bands[place]));
+        let cell = |place: usize| {
+            Some(format_number(row.values[place]?) + &format_interval(row.bands[place]))
+        };
         let cells = [0, 1, 2].map(cell);
         json!([row.quantity.about, row.unit, cells])
     };
@@ -212,7 +215,7 @@ fn slip(request: &Request) -> Result<Value, Refusal> {
         let MotionAnswer { settings, solution } = moving(case, &request.settings)?;
         bsm_case::slip(case, &settings, &solution)
     };
-    Ok(over_grooves(&request.case, FEW_DRAWS, answer)?.to_json())
+    Ok(with_groove_intervals(&request.case, FEW_DRAWS, answer)?.to_json())
 }
 
 /// Returns the pressure, slip and friction over the contact ellipses.
@@ -231,7 +234,7 @@ fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
         Ok(report) => report,
         Err(none) => return Ok(NutProblem::unsolved(case, &none).to_json()),
     };
-    let sections = NutReport::over_grooves(report.answer(), case, &settings);
+    let sections = NutReport::with_groove_intervals(report.answer(), case, &settings);
     let mut answer = sections.to_json();
     answer["balls"] = columns(&report.balls());
     answer["curve"] = columns(&report.curve());
@@ -273,7 +276,12 @@ fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
 fn shown(answer: &Answer) -> Value {
     let row = |row: &Row| {
         let Quantity { title, about, .. } = row.quantity;
-        Some(json!([title, about, row.unit, number(row.values[0]?) + &interval(row.bands[0])]))
+        Some(json!([
+            title,
+            about,
+            row.unit,
+            format_number(row.values[0]?) + &format_interval(row.bands[0])
+        ]))
     };
     answer.numbers().flat_map(Numbers::rows).filter_map(row).collect()
 }
@@ -312,14 +320,14 @@ fn sweep(
     let named = source.columns().clone();
     let chunk = source.next(grid.len()).map_err(|error| Refusal::Input(error.to_string()))?;
     let chunk = chunk.ok_or_else(|| Refusal::Input("the map has no points".to_owned()))?;
-    let mut answers = Answers::room(grid.len(), task.outputs.len());
+    let mut answers = Answers::allocate(grid.len(), task.outputs.len());
     let room = Buffers {
         verdicts: &mut answers.verdicts,
         columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),
     };
     workers.install(|| task.solve_into((&chunk, &named), room, stop, &AtomicU64::new(0)));
     if stop.load(Ordering::Relaxed) {
-        return Err(Refusal::Overtaken);
+        return Err(Refusal::Superseded);
     }
     let axis = |axis: &GridAxis| {
         let values: Vec<_> = (0..axis.len()).map(|place| axis.value(place)).collect();

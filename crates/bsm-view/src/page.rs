@@ -26,7 +26,7 @@ const MODULES: [(&str, &str); 17] = [
     ("bsm/models", include_str!("../page/models.js")),
     ("bsm/nut", include_str!("../page/nut.js")),
     ("bsm/axis", include_str!("../page/axis.js")),
-    ("bsm/beside", include_str!("../page/beside.js")),
+    ("bsm/comparison", include_str!("../page/comparison.js")),
     ("bsm/save", include_str!("../page/save.js")),
 ];
 

@@ -15,12 +15,12 @@ type AnswerResult = Result<Value, Refusal>;
 /// Identifies a request: the id of the page, and a number that increases with every change on the
 /// page.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Turn {
+pub(crate) struct RequestId {
     page: String,
     number: u64,
 }
 
-impl Turn {
+impl RequestId {
     /// Parses the text `page/number`, which contains the page id and the request number.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let (page, number) = text.split_once('/')?;
@@ -35,9 +35,9 @@ impl Turn {
 
 /// A calculation that has been started and has not ended yet.
 struct Entry {
-    turn: Option<Turn>,
+    id: Option<RequestId>,
     stop: Arc<AtomicBool>,
-    give: Sender<AnswerResult>,
+    sender: Sender<AnswerResult>,
 }
 
 type Entries = Arc<Mutex<Vec<Entry>>>;
@@ -45,7 +45,7 @@ type Entries = Arc<Mutex<Vec<Entry>>>;
 /// All calculations that have not ended yet, including stopped calculations.
 pub(crate) struct Running {
     entries: Entries,
-    most: usize,
+    limit: usize,
 }
 
 /// A running calculation. Dropping this value removes it from the list.
@@ -61,9 +61,9 @@ fn lock(entries: &Entries) -> MutexGuard<'_, Vec<Entry>> {
 }
 
 impl Running {
-    /// Creates an empty list that allows at most `most` simultaneous calculations.
-    pub(crate) fn most(most: usize) -> Self {
-        Self { entries: Entries::default(), most }
+    /// Creates an empty list that allows at most `limit` simultaneous calculations.
+    pub(crate) fn with_limit(limit: usize) -> Self {
+        Self { entries: Entries::default(), limit }
     }
 
     /// Registers a new calculation. Calculations for earlier requests from the same page are
@@ -72,26 +72,26 @@ impl Running {
     /// Returns the registered calculation and a receiver for its answer.
     pub(crate) fn begin(
         &self,
-        turn: Option<Turn>,
+        id: Option<RequestId>,
     ) -> Result<(RunningAnswer, Receiver<AnswerResult>), Refusal> {
         let mut entries = lock(&self.entries);
-        if let Some(turn) = &turn {
-            let others = || entries.iter().filter_map(|entry| Some((entry, entry.turn.as_ref()?)));
-            if others().any(|(_, other)| turn.is_before(other)) {
-                return Err(Refusal::Overtaken);
+        if let Some(id) = &id {
+            let others = || entries.iter().filter_map(|entry| Some((entry, entry.id.as_ref()?)));
+            if others().any(|(_, other)| id.is_before(other)) {
+                return Err(Refusal::Superseded);
             }
-            for (entry, _) in others().filter(|(_, other)| other.is_before(turn)) {
+            for (entry, _) in others().filter(|(_, other)| other.is_before(id)) {
                 entry.stop.store(true, Ordering::Relaxed);
                 // Sending fails if the client has already disconnected.
-                let _ = entry.give.send(Err(Refusal::Overtaken));
+                let _ = entry.sender.send(Err(Refusal::Superseded));
             }
         }
-        if entries.len() >= self.most {
+        if entries.len() >= self.limit {
             return Err(Refusal::Busy);
         }
-        let (give, answers) = channel();
+        let (sender, answers) = channel();
         let stop = Arc::new(AtomicBool::new(false));
-        entries.push(Entry { turn, stop: Arc::clone(&stop), give });
+        entries.push(Entry { id, stop: Arc::clone(&stop), sender });
         Ok((RunningAnswer { entries: Arc::clone(&self.entries), stop }, answers))
     }
 }
@@ -106,7 +106,7 @@ impl RunningAnswer {
     pub(crate) fn end(self, found: AnswerResult) {
         if let Some(entry) = self.taken() {
             // Sending fails if the client has already disconnected.
-            let _ = entry.give.send(found);
+            let _ = entry.sender.send(found);
         }
     }
 
@@ -129,32 +129,32 @@ mod tests {
 
     use super::*;
 
-    fn turn(page: &str, number: u64) -> Turn {
-        let turn = Turn::parse(&format!("{page}/{number}")).expect("a turn");
-        assert_eq!(turn, Turn { page: page.to_owned(), number });
-        turn
+    fn request_id(page: &str, number: u64) -> RequestId {
+        let id = RequestId::parse(&format!("{page}/{number}")).expect("a request id");
+        assert_eq!(id, RequestId { page: page.to_owned(), number });
+        id
     }
 
     /// A newer request must stop only the earlier requests from the same page. A stopped request
     /// must be answered before its calculation has ended.
     #[test]
     fn a_newer_request_stops_earlier_requests_of_its_page() {
-        let running = Running::most(4);
-        let (old, old_answer) = running.begin(Some(turn("a", 1))).expect("room");
-        let (other, other_answer) = running.begin(Some(turn("b", 1))).expect("room");
+        let running = Running::with_limit(4);
+        let (old, old_answer) = running.begin(Some(request_id("a", 1))).expect("room");
+        let (other, other_answer) = running.begin(Some(request_id("b", 1))).expect("room");
         let (unnamed, _) = running.begin(None).expect("room");
-        let (new, new_answer) = running.begin(Some(turn("a", 2))).expect("room");
+        let (new, new_answer) = running.begin(Some(request_id("a", 2))).expect("room");
         let stopped =
             [&old, &other, &unnamed, &new].map(|begun| begun.stop().load(Ordering::Relaxed));
         assert_eq!(stopped, [true, false, false, false]);
-        assert!(matches!(old_answer.try_recv(), Ok(Err(Refusal::Overtaken))));
+        assert!(matches!(old_answer.try_recv(), Ok(Err(Refusal::Superseded))));
         assert!(matches!(other_answer.try_recv(), Err(TryRecvError::Empty)));
         // A request that arrives late must be rejected without a calculation.
-        assert!(matches!(running.begin(Some(turn("a", 1))), Err(Refusal::Overtaken)));
+        assert!(matches!(running.begin(Some(request_id("a", 1))), Err(Refusal::Superseded)));
         // A stopped calculation occupies its slot until it ends.
         assert!(matches!(running.begin(None), Err(Refusal::Busy)));
         drop(old);
-        assert!(running.begin(Some(turn("a", 2))).is_ok());
+        assert!(running.begin(Some(request_id("a", 2))).is_ok());
         new.end(Ok(Value::Null));
         assert!(matches!(new_answer.try_recv(), Ok(Ok(Value::Null))));
         // A calculation that ends without an answer must be detected.

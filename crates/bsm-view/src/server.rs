@@ -24,7 +24,7 @@ use crate::answer::{Request, answer};
 use crate::form::schema;
 use crate::http::{Connection, Head, HttpRefusal};
 use crate::page;
-use crate::running::{Running, Turn};
+use crate::running::{RequestId, Running};
 
 /// Time limits for calculating an answer. The second limit applies only to warm states as a
 /// function of the speed. It can be longer, because no other panel of the page waits for these
@@ -125,7 +125,7 @@ impl Server {
             settings: settings.to_json(),
             save,
             workers: Workers::start(None, &NEVER)?,
-            running: Running::most(MAX_RUNNING),
+            running: Running::with_limit(MAX_RUNNING),
         };
         Ok(Self { listener, address, ended: AtomicBool::new(false), shared: Arc::new(shared) })
     }
@@ -220,8 +220,8 @@ impl ServerState {
         match (head.method.as_str(), path) {
             ("GET", "/") => Ok((200, "text/html; charset=utf-8", self.page())),
             ("POST", route) if route.len() > 1 => {
-                let turn = head.line("X-Bsm-Turn").and_then(Turn::parse);
-                Ok(self.posted(turn, &route[1..], connection.body(head)?))
+                let id = head.line("X-Bsm-Request").and_then(RequestId::parse);
+                Ok(self.posted(id, &route[1..], connection.body(head)?))
             }
             ("GET", "/favicon.ico") => Ok((204, "image/x-icon", String::new())),
             ("GET", route) => refuse(404, &format!("unknown route `{route}`")),
@@ -242,15 +242,15 @@ impl ServerState {
         page::html(&start, None)
     }
 
-    fn posted(self: &Arc<Self>, turn: Option<Turn>, route: &str, body: Vec<u8>) -> Reply {
-        let found = if route == "save" { self.save(&body) } else { self.answer(turn, route, body) };
+    fn posted(self: &Arc<Self>, id: Option<RequestId>, route: &str, body: Vec<u8>) -> Reply {
+        let found = if route == "save" { self.save(&body) } else { self.answer(id, route, body) };
         match found {
             Ok(answer) => (200, "application/json", answer.to_string()),
             Err(refusal) => {
                 let status = match refusal {
                     Refusal::Input(_) => 400,
                     Refusal::Route(_) => 404,
-                    Refusal::Overtaken => 409,
+                    Refusal::Superseded => 409,
                     Refusal::Slow(_) | Refusal::Busy | Refusal::Thread(_) => 503,
                 };
                 refused(status, &refusal.to_string())
@@ -262,11 +262,11 @@ impl ServerState {
     /// a newer request replaces this request.
     fn answer(
         self: &Arc<Self>,
-        turn: Option<Turn>,
+        id: Option<RequestId>,
         route: &str,
         body: Vec<u8>,
     ) -> Result<Value, Refusal> {
-        let (begun, answers) = self.running.begin(turn)?;
+        let (begun, answers) = self.running.begin(id)?;
         let stop = begun.stop();
         let patience = TIME_LIMITS[usize::from(route == "warm")];
         let (shared, route) = (Arc::clone(self), route.to_owned());

@@ -270,17 +270,17 @@ fn a_map_that_takes_too_long_ends_with_a_message() {
 #[test]
 fn newer_request_from_a_page_cancels_the_previous_one() {
     let served = TestServer::start(None);
-    let turn = |route: &str, turn: &str| {
-        format!("{}\r\nX-Bsm-Turn: {turn}", served.head(&format!("POST /{route}")))
+    let post = |route: &str, id: &str| {
+        format!("{}\r\nX-Bsm-Request: {id}", served.head(&format!("POST /{route}")))
     };
     thread::scope(|scope| {
-        let old = scope.spawn(|| served.send(&turn("sweep", "a/1"), &long_map().to_string()));
+        let old = scope.spawn(|| served.send(&post("sweep", "a/1"), &long_map().to_string()));
         // A newer request cannot stop the map before the calculation of the map has started, so the
         // loop repeats the newer request.
         let overtaken = loop {
             thread::sleep(Duration::from_millis(50));
             let (status, answer) =
-                served.send(&turn("point", "a/2"), &example_request().to_string());
+                served.send(&post("point", "a/2"), &example_request().to_string());
             assert_eq!(status, 200, "{answer}");
             if old.is_finished() {
                 break old.join().expect("an answer");

@@ -39,7 +39,7 @@ pub enum DatasetError {
     Stopped,
     /// The folder already contains the plan of an earlier run.
     #[error("{} holds the parts of {} task", folder.display(), if *same { "this" } else { "another" })]
-    Begun {
+    AlreadyExists {
         /// Path of the dataset folder.
         folder: PathBuf,
         /// True if the plan in the folder equals the plan of the new run.
@@ -54,7 +54,7 @@ pub enum DatasetError {
         why: String,
     },
     /// Some part files are damaged or do not belong to the plan.
-    #[error("{}", first_few(.0))]
+    #[error("{}", describe_damage(.0))]
     Damaged(Vec<(PathBuf, PartDefect)>),
     /// The part files or the points do not belong to the plan in the folder.
     #[error("{0}")]
@@ -105,7 +105,7 @@ impl DatasetError {
 }
 
 /// Describes the first few damaged files in one line of text.
-fn first_few(damaged: &[(PathBuf, PartDefect)]) -> String {
+fn describe_damage(damaged: &[(PathBuf, PartDefect)]) -> String {
     const SHOWN: usize = 3;
     let shown = damaged.iter().take(SHOWN).map(|(path, why)| format!("{} {why}", path.display()));
     let more = damaged.len().checked_sub(SHOWN).filter(|more| *more > 0);
@@ -113,7 +113,7 @@ fn first_few(damaged: &[(PathBuf, PartDefect)]) -> String {
 }
 
 /// Returns a description of an entry that is not a file, such as "a folder".
-pub(super) fn kind(found: &fs::Metadata) -> &'static str {
+pub(super) fn describe_entry(found: &fs::Metadata) -> &'static str {
     if found.is_dir() {
         "a folder"
     } else if found.is_symlink() {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use super::DatasetError;
-use super::error::kind;
+use super::error::describe_entry;
 
 /// Name of the file that contains the plan of a dataset.
 const PLAN: &str = "plan.json";
@@ -79,7 +79,7 @@ impl Folder {
         let not_a_plan = |why: String| DatasetError::NotAPlan { path: path.clone(), why };
         let found = fs::metadata(&path).map_err(unreadable)?;
         if !found.is_file() {
-            return Err(not_a_plan(format!("it is {}", kind(&found))));
+            return Err(not_a_plan(format!("it is {}", describe_entry(&found))));
         }
         let mut text = Vec::new();
         let file = File::open(&path).map_err(unreadable)?;
@@ -92,7 +92,7 @@ impl Folder {
 
     /// Creates the dataset folder. An existing folder is rejected if it contains anything other
     /// than empty subfolders and temporary files of a dataset.
-    pub(super) fn begin(&self) -> Result<(), DatasetError> {
+    pub(super) fn create(&self) -> Result<(), DatasetError> {
         // Collecting the components removes a trailing path separator, which would make
         // `is_symlink` follow a symbolic link.
         let named: PathBuf = self.path.components().collect();
@@ -164,7 +164,7 @@ impl Folder {
     }
 
     /// Removes the temporary files of the plan with the given id.
-    pub(super) fn tidy(&self, plan: &str) -> Result<(), DatasetError> {
+    pub(super) fn remove_temporary_files(&self, plan: &str) -> Result<(), DatasetError> {
         for entry in entries(&self.path.join(UNFINISHED))? {
             let ours = unfinished_id(&entry).is_some_and(|id| plan.starts_with(&id));
             if ours

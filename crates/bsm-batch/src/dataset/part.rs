@@ -17,7 +17,7 @@ use parquet::arrow::ArrowWriter;
 use parquet::file::metadata::ParquetMetaDataReader;
 use sha2::{Digest, Sha256};
 
-use super::error::kind;
+use super::error::describe_entry;
 use super::{DatasetError, PartDefect, digest};
 use crate::parquet_table::catch_decoder_panic;
 use crate::{Count, TableError, TableSink, Workers};
@@ -26,7 +26,7 @@ const PLAN: &str = "bsm.plan";
 const PART: &str = "bsm.part";
 const ROWS: &str = "bsm.rows";
 const FAILED: &str = "bsm.failed";
-const SEVERAL: &str = "bsm.several";
+const OTHER_SOLUTIONS: &str = "bsm.several";
 const DATA_BYTES: &str = "bsm.data_bytes";
 const DATA_SHA256: &str = "bsm.data_sha256";
 const FOOTER_SHA256: &str = "bsm.footer_sha256";
@@ -78,7 +78,7 @@ pub struct Part {
     /// Number of rows in the part that have no result.
     pub failed: u64,
     /// Number of rows in the part whose operating points are known to have further solutions.
-    pub several: u64,
+    pub with_other_solutions: u64,
     /// Number of bytes in the part file before its footer.
     pub data_bytes: u64,
     /// SHA-256 hash of the bytes before the footer.
@@ -122,11 +122,12 @@ impl<W: Write> Write for HashingWriter<W> {
 pub(super) fn write_footer<W: Write + Send>(
     table: TableSink<HashingWriter<W>>,
     range: PartRange<'_>,
-    Count { failed, several, .. }: Count,
+    Count { failed, with_other_solutions, .. }: Count,
 ) -> Result<(W, Part), TableError> {
     let PartRange { plan, number, first_row, rows, .. } = range;
     let (data_bytes, data_sha256) = (0, String::new());
-    let mut part = Part { number, first_row, rows, failed, several, data_bytes, data_sha256 };
+    let mut part =
+        Part { number, first_row, rows, failed, with_other_solutions, data_bytes, data_sha256 };
     let written = table.finish_with(|file| {
         part.data_bytes = file.data_bytes;
         part.data_sha256 = digest::hex(file.hash.clone());
@@ -136,7 +137,7 @@ pub(super) fn write_footer<W: Write + Send>(
             (PART, number.to_string()),
             (ROWS, format!("{first_row}:{rows}")),
             (FAILED, failed.to_string()),
-            (SEVERAL, several.to_string()),
+            (OTHER_SOLUTIONS, with_other_solutions.to_string()),
             (DATA_BYTES, part.data_bytes.to_string()),
             (DATA_SHA256, part.data_sha256.clone()),
             (FOOTER_SHA256, String::from_utf8_lossy(&ZEROS).into_owned()),
@@ -175,7 +176,7 @@ pub(super) fn verify(
 ) -> Result<Option<Part>, PartDefect> {
     let found = fs::symlink_metadata(path)?;
     if !found.is_file() {
-        return Err(PartDefect::NotAFile(kind(&found)));
+        return Err(PartDefect::NotAFile(describe_entry(&found)));
     }
     if found.len() == 0 {
         return Err(PartDefect::Empty);
@@ -223,13 +224,14 @@ fn verified(mut footer: Vec<u8>, len: u64, range: PartRange<'_>) -> Result<Part,
         return Err(PartDefect::OtherPart(found.to_owned()));
     }
     let integer = |key| value(key).and_then(|n| n.parse().ok()).ok_or(PartDefect::Footer);
-    let (failed, several, data_bytes) = (integer(FAILED)?, integer(SEVERAL)?, integer(DATA_BYTES)?);
+    let (failed, with_other_solutions, data_bytes) =
+        (integer(FAILED)?, integer(OTHER_SOLUTIONS)?, integer(DATA_BYTES)?);
     let data_sha256 = value(DATA_SHA256).ok_or(PartDefect::Footer)?.to_owned();
     let all_rows = u64::try_from(metadata.num_rows()) == Ok(rows);
     if data_bytes + footer.len() as u64 != len || !all_rows {
         return Err(PartDefect::Footer);
     }
-    Ok(Part { number, first_row, rows, failed, several, data_bytes, data_sha256 })
+    Ok(Part { number, first_row, rows, failed, with_other_solutions, data_bytes, data_sha256 })
 }
 
 /// Returns the length of a Parquet footer, including the bytes after it. Returns `None` if `tail`,
@@ -272,7 +274,7 @@ pub(super) fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableEr
         ("first_row", numbers(|part| part.first_row)),
         ("rows", numbers(|part| part.rows)),
         ("failed", numbers(|part| part.failed)),
-        ("several", numbers(|part| part.several)),
+        ("several", numbers(|part| part.with_other_solutions)),
         ("bytes", numbers(|part| part.data_bytes)),
         ("data_sha256", Arc::new(hashes)),
     ])?;

@@ -131,7 +131,7 @@ impl Plan {
         rows_per_part: Option<NonZeroU64>,
         workers: &Workers<'_>,
     ) -> Result<Self, DatasetError> {
-        let (points, rows) = points.written(workers)?;
+        let (points, rows) = points.entry(workers)?;
         let rule = || rows_of_a_part(rows, task.settings.model);
         let rows_per_part = rows_per_part.unwrap_or_else(rule);
         if rows.div_ceil(rows_per_part.get()) > MAX_PARTS {
@@ -153,10 +153,10 @@ impl Plan {
             rows_per_part,
             sha256: String::new(),
         };
-        let unwritable =
+        let write_error =
             |e: serde_json::Error| DatasetError::io("write", Path::new("plan.json"), e.into());
-        let written = written.sealed().map_err(unwritable)?;
-        Ok(Self { text: written.text().map_err(unwritable)?, written })
+        let written = written.sealed().map_err(write_error)?;
+        Ok(Self { text: written.text().map_err(write_error)?, written })
     }
 
     /// Parses the text of a plan file.

@@ -10,11 +10,12 @@ use bsm_case::{Grid, GridAxis};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::error::kind;
+use super::error::describe_entry;
 use super::{DatasetError, digest};
-use crate::pipeline::ROWS;
+use crate::pipeline::ROWS_PER_CHUNK;
 use crate::{
-    DrawSource, Draws, Format, GridSource, PointSet, Source, TableError, TableFormat, Workers,
+    Format, GridSource, PointSet, RandomPoints, RandomSource, Source, TableError, TableFormat,
+    Workers,
 };
 
 /// Operating points that can be generated or read repeatedly.
@@ -23,7 +24,7 @@ pub enum Points {
     /// The points of a grid.
     Grid(Grid),
     /// Random points.
-    Draws(Draws),
+    Random(RandomPoints),
     /// The rows of a table file.
     Table {
         /// Path of the table file.
@@ -44,7 +45,7 @@ impl Points {
     pub fn open(&self) -> Result<Box<dyn Source>, TableError> {
         match self {
             Self::Grid(grid) => Ok(Box::new(GridSource::new(grid.clone()))),
-            Self::Draws(draws) => Ok(Box::new(DrawSource::new(draws.clone()))),
+            Self::Random(draws) => Ok(Box::new(RandomSource::new(draws.clone()))),
             Self::Table { path, keep, table_format } => {
                 let format = Format::of(path).ok_or_else(|| {
                     let words = "the name of a table must end with .csv, .jsonl or .parquet";
@@ -58,21 +59,18 @@ impl Points {
     /// Returns the description of the points for a plan, and the number of points. A table file is
     /// read completely to calculate its hash. Its rows are counted, unless the file states the
     /// number of rows in its footer.
-    pub(super) fn written(
-        &self,
-        workers: &Workers<'_>,
-    ) -> Result<(PointsEntry, u64), DatasetError> {
+    pub(super) fn entry(&self, workers: &Workers<'_>) -> Result<(PointsEntry, u64), DatasetError> {
         let (path, keep, table_format) = match self {
-            Self::Grid(grid) => return Ok((written_grid(grid), grid.len() as u64)),
-            Self::Draws(draws) => return Ok((written_draws(draws), draws.count())),
+            Self::Grid(grid) => return Ok((grid_entry(grid), grid.len() as u64)),
+            Self::Random(draws) => return Ok((random_entry(draws), draws.count())),
             Self::Table { path, keep, table_format } => (path, keep, table_format),
         };
-        let (name, sha256, bytes) = hashed(path, workers)?;
+        let (name, sha256, bytes) = name_hash_and_length(path, workers)?;
         let mut source = self.open().map_err(DatasetError::Read)?;
         let known = source.len_hint();
         let mut rows = known.unwrap_or(0);
         while known.is_none()
-            && let Some(chunk) = source.next(ROWS).map_err(DatasetError::Read)?
+            && let Some(chunk) = source.next(ROWS_PER_CHUNK).map_err(DatasetError::Read)?
         {
             rows += chunk.len as u64;
             if workers.stopped() {
@@ -92,13 +90,13 @@ impl Points {
     /// Returns [`DatasetError`] if a table cannot be read.
     pub fn about(&self, workers: &Workers<'_>) -> Result<Value, DatasetError> {
         Ok(match self {
-            Self::Grid(grid) => json!(written_grid(grid)),
-            Self::Draws(draws) => json!(written_draws(draws)),
+            Self::Grid(grid) => json!(grid_entry(grid)),
+            Self::Random(draws) => json!(random_entry(draws)),
             Self::Table { path, keep, .. } if !path.is_file() => {
                 json!({ "table": { "name": null, "keep": keep } })
             }
             Self::Table { path, keep, table_format } => {
-                let (name, sha256, bytes) = hashed(path, workers)?;
+                let (name, sha256, bytes) = name_hash_and_length(path, workers)?;
                 let table = json!({ "name": name, "bytes": bytes, "sha256": sha256, "keep": keep, "dialect": table_format });
                 json!({ "table": table })
             }
@@ -111,13 +109,13 @@ pub(super) fn invalid_points(why: impl Display) -> DatasetError {
     DatasetError::Refused(format!("the points in the plan are invalid: {why}"))
 }
 
-fn written_grid(grid: &Grid) -> PointsEntry {
+fn grid_entry(grid: &Grid) -> PointsEntry {
     PointsEntry::Grid(grid.axes().iter().map(ToString::to_string).collect())
 }
 
-fn written_draws(draws: &Draws) -> PointsEntry {
-    let of = draws.of().iter().map(ToString::to_string).collect();
-    PointsEntry::Random(DrawsEntry { seed: draws.seed(), count: draws.count(), of })
+fn random_entry(draws: &RandomPoints) -> PointsEntry {
+    let of = draws.inputs().iter().map(ToString::to_string).collect();
+    PointsEntry::Random(RandomEntry { seed: draws.seed(), count: draws.count(), of })
 }
 
 /// Returns the SHA-256 hash and the length of a file.
@@ -131,14 +129,17 @@ pub fn sha256(path: &Path) -> io::Result<(String, u64)> {
 }
 
 /// Returns the name, SHA-256 hash and length of a table file.
-fn hashed(path: &Path, workers: &Workers<'_>) -> Result<(String, String, u64), DatasetError> {
+fn name_hash_and_length(
+    path: &Path,
+    workers: &Workers<'_>,
+) -> Result<(String, String, u64), DatasetError> {
     let unreadable = |error: io::Error| DatasetError::io("read", path, error);
     let found = path.metadata().map_err(unreadable)?;
     if !found.is_file() {
         return Err(DatasetError::Refused(format!(
             "{} is {}, but a folder of parts needs points from a file, because the points are read twice",
             path.display(),
-            kind(&found)
+            describe_entry(&found)
         )));
     }
     let mut file = File::open(path).map_err(unreadable)?;
@@ -153,13 +154,13 @@ fn hashed(path: &Path, workers: &Workers<'_>) -> Result<(String, String, u64), D
 #[serde(rename_all = "lowercase")]
 pub(super) enum PointsEntry {
     Grid(Vec<String>),
-    Random(DrawsEntry),
+    Random(RandomEntry),
     Table(TableEntry),
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct DrawsEntry {
+pub(super) struct RandomEntry {
     seed: u64,
     count: u64,
     of: Vec<String>,
@@ -204,15 +205,16 @@ impl PointsEntry {
     ) -> Result<Points, DatasetError> {
         match self {
             Self::Grid(axes) => Ok(Points::Grid(Grid::parse(axes).map_err(invalid_points)?)),
-            Self::Random(DrawsEntry { seed, count, of }) => {
-                Ok(Points::Draws(Draws::parse(*seed, *count, of).map_err(invalid_points)?))
+            Self::Random(RandomEntry { seed, count, of }) => {
+                Ok(Points::Random(RandomPoints::parse(*seed, *count, of).map_err(invalid_points)?))
             }
             Self::Table(written) => {
                 let path = table(&written.name);
                 let (keep, table_format) = (written.keep.clone(), written.table_format.clone());
                 let len = path.metadata().map_err(|e| DatasetError::io("read", &path, e))?.len();
                 // If the lengths differ, the file is rejected without calculating its hash.
-                if len != written.bytes || hashed(&path, workers)?.1 != written.sha256 {
+                if len != written.bytes || name_hash_and_length(&path, workers)?.1 != written.sha256
+                {
                     return Err(DatasetError::Refused(format!(
                         "{} is not identical to the table of points in the plan ({})",
                         path.display(),

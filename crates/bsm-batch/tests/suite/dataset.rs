@@ -16,8 +16,8 @@ use bsm_batch::dataset::{
     self, Dataset, DatasetError, Event, Plan, Points, RunOptions, solve_part,
 };
 use bsm_batch::{
-    Answers, Count, Draw, Draws, Format, GridSource, ParquetSource, Source, TableFormat, TableSink,
-    Task, Workers,
+    Answers, Count, Format, GridSource, ParquetSource, RandomInput, RandomPoints, Source,
+    TableFormat, TableSink, Task, Workers,
 };
 use bsm_case::{Case, Grid, GridAxis, Settings};
 use bsm_dyn::Model;
@@ -97,7 +97,7 @@ fn bytes_of_a_part_file_depend_only_on_the_plan() {
     let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
     let first = temporary_folder();
     let count = fill(first.path(), &task, &points, 1);
-    assert_eq!(count, Count { rows: 120, failed: 40, several: 0 });
+    assert_eq!(count, Count { rows: 120, failed: 40, with_other_solutions: 0 });
     let expected = files(first.path());
     let names: Vec<_> = expected.keys().map(String::as_str).collect();
     let parts =
@@ -327,7 +327,7 @@ fn one_worker_and_several_workers_write_identical_tables() {
                 let (task, mut source) = (task(Model::ClosedForm), GridSource::new(grid.clone()));
                 let out = task.write(&mut source, format, Vec::new(), &workers, &mut |_, _| {});
                 let (out, count) = out.expect("solved");
-                assert_eq!(count, Count { rows: 90_003, failed: 0, several: 0 });
+                assert_eq!(count, Count { rows: 90_003, failed: 0, with_other_solutions: 0 });
                 out
             })
         };
@@ -465,10 +465,13 @@ fn repair_of_a_dataset_rewrites_or_removes_its_list_of_parts() {
 #[test]
 fn random_points_do_not_depend_on_the_part_size() {
     let draws = ["axial_load_N=uniform:500:9000", "friction_coefficient=normal:0.06:0.005"];
-    let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
-    let points = Points::Draws(Draws::new(11, 120, draws).expect("draws"));
+    let draws = draws.map(|draw| RandomInput::parse(draw).expect("a draw")).to_vec();
+    let points = Points::Random(RandomPoints::new(11, 120, draws).expect("draws"));
     let (task, folder) = (task(Model::Rigid), temporary_folder());
-    assert_eq!(fill(folder.path(), &task, &points, 2), Count { rows: 120, failed: 0, several: 0 });
+    assert_eq!(
+        fill(folder.path(), &task, &points, 2),
+        Count { rows: 120, failed: 0, with_other_solutions: 0 }
+    );
     let one = temporary_folder();
     let whole = Dataset::create(one.path(), plan(&task, &points, 120), make).expect("a folder");
     let whole = Dataset::open(one.path(), make).map(|_| whole).expect("its own plan");
@@ -557,8 +560,8 @@ fn damaged_parts_are_replaced_only_on_request() {
 #[test]
 fn estimated_dataset_size_is_an_upper_bound_on_the_actual_size() {
     let draws = ["axial_load_N=uniform:500:9000", "screw_speed_rpm=normal:1500:50"];
-    let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
-    let points = Points::Draws(Draws::new(11, 100_000, draws).expect("draws"));
+    let draws = draws.map(|draw| RandomInput::parse(draw).expect("a draw")).to_vec();
+    let points = Points::Random(RandomPoints::new(11, 100_000, draws).expect("draws"));
     let (task, folder) = (task(Model::Rigid), temporary_folder());
     let rows_per_part = NonZeroU64::new(30_000);
     let plan = Plan::new(&task, &points, rows_per_part, &workers(1)).expect("a plan");

@@ -2,16 +2,16 @@
 
 use std::ops::Range;
 
-use bsm_batch::{Draw, DrawSource, Draws, PointSet, Source};
+use bsm_batch::{PointSet, RandomInput, RandomPoints, RandomSource, Source};
 
-fn random_points(of: &[&str]) -> Draws {
-    let of = of.iter().map(|text| Draw::parse(text).expect("a draw")).collect();
-    Draws::new(2026, 20_000, of).expect("draws")
+fn random_points(of: &[&str]) -> RandomPoints {
+    let of = of.iter().map(|text| RandomInput::parse(text).expect("a draw")).collect();
+    RandomPoints::new(2026, 20_000, of).expect("draws")
 }
 
-fn input_values(draws: &Draws, place: usize, rows: Range<u64>) -> Vec<f64> {
+fn input_values(draws: &RandomPoints, place: usize, rows: Range<u64>) -> Vec<f64> {
     let mut values = Vec::new();
-    draws.fill(place, rows, &mut values);
+    draws.append_values(place, rows, &mut values);
     values
 }
 
@@ -29,7 +29,7 @@ fn random_row_depends_only_on_seed_inputs_and_row_number() {
     }
     let far = input_values(&draws, 1, u64::MAX / 2..u64::MAX / 2 + 2);
     assert_eq!(far[1..], input_values(&draws, 1, u64::MAX / 2 + 1..u64::MAX / 2 + 2));
-    let mut source = DrawSource::new(draws.clone());
+    let mut source = RandomSource::new(draws.clone());
     source.skip(19_990).expect("never fails");
     let chunk = source.next(100).expect("never fails").expect("rows");
     assert_eq!((chunk.first, chunk.len), (19_991, 10));
@@ -83,9 +83,9 @@ fn random_inputs_have_the_requested_distributions() {
 #[test]
 fn distributions_round_trip_through_text() {
     for text in ["axial_load_N=uniform:2000:8000", "lead_mm=normal:20:0.01"] {
-        assert_eq!(Draw::parse(text).expect("a draw").to_string(), text);
+        assert_eq!(RandomInput::parse(text).expect("a draw").to_string(), text);
     }
-    let kilo = Draw::parse("axial_load_kN = uniform : 2 : 8").expect("a draw");
+    let kilo = RandomInput::parse("axial_load_kN = uniform : 2 : 8").expect("a draw");
     assert_eq!(kilo.to_string(), "axial_load_N=uniform:2000:8000");
     for (text, part) in [
         ("lead_mm", "name=uniform:low:high"),
@@ -97,10 +97,10 @@ fn distributions_round_trip_through_text() {
         ("ball_diameter_mm=uniform:-1:1", "ball_diameter_mm"),
         ("leed_mm=uniform:1:2", "lead_mm"),
     ] {
-        let said = Draw::parse(text).expect_err(text).to_string();
+        let said = RandomInput::parse(text).expect_err(text).to_string();
         assert!(said.contains(part), "{text}: {said}");
     }
     let twice = ["lead_mm=uniform:1:2", "lead_mm=normal:1:2"];
-    let twice = twice.map(|text| Draw::parse(text).expect("a draw")).to_vec();
-    assert!(Draws::new(1, 1, twice).is_err());
+    let twice = twice.map(|text| RandomInput::parse(text).expect("a draw")).to_vec();
+    assert!(RandomPoints::new(1, 1, twice).is_err());
 }

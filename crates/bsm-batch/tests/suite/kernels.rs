@@ -375,12 +375,12 @@ fn outputs_for_which_the_caller_provides_no_buffer_are_returned_separately() {
         let task = Task::new(Case::default(), settings, all_outputs());
         let expected = task.solve(&chunk, &columns);
         let mut verdicts = expected.verdicts.clone();
-        let room = Buffers {
+        let buffers = Buffers {
             verdicts: &mut verdicts,
             columns: all_outputs().iter().map(|_| None).collect(),
         };
         let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
-        let told = task.solve_into((&chunk, &columns), room, &stop, &done);
+        let told = task.solve_into((&chunk, &columns), buffers, &stop, &done);
         let mut found = vec![vec![f64::NAN; chunk.len]; all_outputs().len()];
         for (place, first, values) in told.values {
             assert!(!values.iter().all(|value| value.is_nan()), "{model:?}");

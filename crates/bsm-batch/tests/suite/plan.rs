@@ -4,7 +4,7 @@ use std::num::{NonZeroU64, NonZeroUsize};
 use std::sync::atomic::AtomicBool;
 
 use bsm_batch::dataset::{Plan, Points, RESULTS};
-use bsm_batch::{Answers, Draw, Draws, Task, Workers};
+use bsm_batch::{Answers, RandomInput, RandomPoints, Task, Workers};
 use bsm_case::{Case, Grid, GridAxis, ModelChoice, Output, Settings};
 use bsm_dyn::{Control, Model, model::RacewayFriction};
 
@@ -116,8 +116,8 @@ fn plan_id_changes_with_every_setting_that_affects_results() {
 }
 
 fn random_points(of: &str, count: u64) -> Points {
-    let of = vec![Draw::parse(of).expect("a draw")];
-    Points::Draws(Draws::new(7, count, of).expect("draws"))
+    let of = vec![RandomInput::parse(of).expect("a draw")];
+    Points::Random(RandomPoints::new(7, count, of).expect("draws"))
 }
 
 /// Random points must not change if a plan is written and read again.

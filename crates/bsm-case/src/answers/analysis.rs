@@ -3,7 +3,7 @@
 
 use bsm_dyn::{Model, ModelWorkspace};
 
-use super::moving::MotionAnswer;
+use super::motion::MotionAnswer;
 use super::{axis, band, branch, jam, manufacturers, nut, optimum, ratings, slip, warm, warnings};
 use crate::case::problem::Needs;
 use crate::case::rated_nut;
@@ -73,7 +73,7 @@ impl AnalysisKind {
     ///
     /// * `base`: case that supplies all inputs that do not vary between the points.
     pub(crate) fn missing(self, base: &Case, given: InputSet) -> Vec<String> {
-        let given = given.and(rated_nut::given(base));
+        let given = given.union(rated_nut::given(base));
         match self {
             Self::Slip | Self::Jam if given.is_lubricated() => Needs::LUBRICATED.missing(given),
             Self::Slip | Self::Jam => Needs::of(Model::Rigid).missing(given),
@@ -174,7 +174,7 @@ impl Output {
     /// differ from the unit of the output.
     pub fn in_unit(name: &str) -> Option<(&'static Self, DisplayUnit)> {
         if let Some(output) = Self::named(name) {
-            return Some((output, DisplayUnit::own(output.unit)));
+            return Some((output, DisplayUnit::unchanged(output.unit)));
         }
         let (own, unit) = in_unit(name, Self::all().map(|output| output.name))?;
         Some((Self::named(own)?, unit))
@@ -204,7 +204,7 @@ pub fn table(name: &str) -> impl Iterator<Item = &'static Quantity> + use<> {
         "phase" => (axis::PHASE, None),
         "torques" => (axis::TORQUES, None),
         "circuit" => (nut::CIRCUITS, None),
-        "manufacturer" => (manufacturers::BESIDE, None),
+        "manufacturer" => (manufacturers::COMPARED, None),
         _ => {
             let kind = AnalysisKind::ALL.into_iter().find(|kind| kind.name() == name);
             (kind.map_or(&[], AnalysisKind::quantities), None)

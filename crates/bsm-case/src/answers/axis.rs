@@ -28,10 +28,10 @@ use super::nut::QUANTITIES as NUT;
 use super::ratings::{QUANTITIES as RATINGS, ratings_and_warnings};
 use super::schema::CaseJson;
 use super::warm::QUANTITIES as WARM;
-use crate::case::axis::{Machine, operating_hours_per_year, stroke};
+use crate::case::axis::{AxisModel, operating_hours_per_year, stroke};
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, NutInPhase, Warm};
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::members::{
     Data, NumberCells, NumbersOf, Rows, Sentences, answer, number_tables, row,
 };
@@ -67,7 +67,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed: mean speed over the cycle, including standstill";
         cycle_time_s ["s"] Scalar(|w| w.cycle_time()), "cycle time";
         revolutions_per_cycle [""] Scalar(|w| w.revolutions_per_cycle()), "revolutions of the screw per cycle, in both directions";
-        travel_per_cycle_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.way / MM)), "travel per cycle, in both directions";
+        travel_per_cycle_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.distance / MM)), "travel per cycle, in both directions";
         cycle_range_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.range / MM)), "distance between the two extreme positions of the cycle";
         cycle_return_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.end / MM)), "distance between the start position and the end position of the cycle; 0 if the cycle returns to its start";
         speed_jumps_count [""] Scalar(|w| w.speed_jumps().map(|count| u32::try_from(count).map_or(f64::INFINITY, f64::from))), "number of speed jumps in the cycle";
@@ -92,7 +92,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         pretension_N = INPUTS Scalar(|w| Some(w.pretension()?.tension(0.0)));
         pretension_K = INPUTS Scalar(|w| Some(w.pretension()?.stretched));
         stretch_um ["um"] Scalar(|w| {
-            Some(w.pretension()?.tension(0.0) / w.shaft()?.held(f64::INFINITY) / UM)
+            Some(w.pretension()?.tension(0.0) / w.shaft()?.constraint_stiffness(f64::INFINITY) / UM)
         }), "elongation of the screw due to pretension";
         travel_compensation_um ["um" "c"] Scalar(|w| Some(w.travel_compensation()? * MM / UM)), "travel compensation over the stroke for a screw with pretension; a negative value means a shorter travel";
         screw_tension_N = INPUTS Scalar(|w| w.tension());
@@ -319,17 +319,17 @@ quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
         acceleration_m_s2 ["m/s2"] Scalar(|p| p.torques.phase.acceleration), "acceleration";
         start_load_N ["N"] Scalar(|p| p.torques.phase.load[0]), "axial load at the start";
         end_load_N ["N"] Scalar(|p| p.torques.phase.load[1]), "axial load at the end";
-        start_motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(&p.torques.ends[0])), "motor torque at the start";
-        end_motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(&p.torques.ends[1])), "motor torque at the end";
-        motor_torque_Nm ["N m"] Scalar(|p| p.largest(|end| p.worked.motor_torque(end))), "motor torque, the larger of the values at start and end";
-        motor_power_W ["W"] Scalar(|p| p.largest(|end| p.worked.motor_power(end))), "motor power, the larger of the values at start and end";
+        start_motor_torque_Nm ["N m"] Scalar(|p| p.state.motor_torque(&p.torques.ends[0])), "motor torque at the start";
+        end_motor_torque_Nm ["N m"] Scalar(|p| p.state.motor_torque(&p.torques.ends[1])), "motor torque at the end";
+        motor_torque_Nm ["N m"] Scalar(|p| p.largest(|end| p.state.motor_torque(end))), "motor torque, the larger of the values at start and end";
+        motor_power_W ["W"] Scalar(|p| p.largest(|end| p.state.motor_power(end))), "motor power, the larger of the values at start and end";
         heat_W ["W"] Scalar(|p| Some(p.torques.means?.heat)), "mean heat";
         load_factor = INPUTS Scalar(|p| p.torques.phase.load_factor);
         max_contact_load_N = NUT Scalar(|p| Some(p.nut?.max_load));
         nut_stiffness_N_um = NUT Scalar(|p| Some(p.nut?.stiffness * UM));
         preload_left_N = NUT Scalar(|p| p.nut?.preload_left);
         viscosity_ratio ["" "kappa"] Scalar(|p| {
-            let [by_film, by_viscosity] = p.worked.viscosity_ratios_of(&p.torques.phase);
+            let [by_film, by_viscosity] = p.state.viscosity_ratios_of(&p.torques.phase);
             by_film.or(by_viscosity)
         }), "viscosity ratio of the lubricant, calculated from the film ratio if groove and roughness are known";
     }
@@ -362,7 +362,7 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
 
 /// Results of the axis in one phase of a cycle.
 pub(crate) struct PhaseResult<'a> {
-    worked: &'a AxisState<'a>,
+    state: &'a AxisState<'a>,
     torques: &'a PhaseTorques,
     /// Results for the warm nut at the end of the phase; `None` without a warm state.
     nut: Option<&'a NutInPhase>,
@@ -377,7 +377,7 @@ impl PhaseResult<'_> {
 
     /// Returns the feed rate at a speed of the screw \[m/min\].
     fn feed(&self, speed: f64) -> f64 {
-        speed * self.worked.machine.advance() * 60.0
+        speed * self.state.machine.advance() * 60.0
     }
 
     /// Returns the value at the start or at the end of the phase, whichever is larger in magnitude.
@@ -392,7 +392,7 @@ impl PhaseResult<'_> {
 /// Dimensions of screw and nut that are used in the calculation.
 pub(crate) struct Screw<'a> {
     case: &'a Case,
-    machine: &'a Machine,
+    machine: &'a AxisModel,
     of_nut: &'a Answer,
     preload: Option<&'a Preload>,
 }
@@ -473,7 +473,7 @@ const NOT_MODELED: [&str; 4] = [
 /// * `heating`: steady temperatures, if they are known.
 fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<String> {
     let temperatures = match heating {
-        _ if case.asks_warm() => "temperatures over time, because the state is steady",
+        _ if case.requests_warm_state() => "temperatures over time, because the state is steady",
         Some(_) => {
             "effect of the steady-state temperature rise on preload and torque; set warm_state to true to include it"
         }
@@ -512,12 +512,12 @@ impl AxisReport {
     ///
     /// Returns [`CaseError`] if an input is missing or violates its rule.
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
-        let full = Detail { band: true, ..Detail::JUDGED };
+        let full = Detail { band: true, ..Detail::WITHOUT_BAND };
         let line = case.without_estimates();
         let (report, refused) = match line.with_groove() {
             // Life, speed limits and buckling can be calculated without groove data, but a warm
             // state cannot.
-            Err(CaseError::NoGroove(why)) if !line.asks_warm() => {
+            Err(CaseError::NoGroove(why)) if !line.requests_warm_state() => {
                 (Self::with(&line, settings, full)?, Some(why))
             }
             Err(why) => return Err(why),
@@ -533,7 +533,8 @@ impl AxisReport {
             },
         };
         let own = report.settings;
-        let mut report = report.over_grooves(|possible| Self::numbers_only(possible, &own).ok());
+        let mut report =
+            report.with_groove_intervals(|possible| Self::numbers_only(possible, &own).ok());
         if let Some(why) = refused {
             report.warnings.push(Warning::advice(why.clone()));
             report.answer.warnings.push(why);
@@ -546,8 +547,11 @@ impl AxisReport {
     ///
     /// * `answer`: function that calculates the answer for a case with one of the possible grooves.
     #[must_use]
-    pub(crate) fn over_grooves(mut self, answer: impl Fn(&Case) -> Option<Answer> + Sync) -> Self {
-        self.answer = self.answer.over_grooves(&self.case, FEW_DRAWS, answer);
+    pub(crate) fn with_groove_intervals(
+        mut self,
+        answer: impl Fn(&Case) -> Option<Answer> + Sync,
+    ) -> Self {
+        self.answer = self.answer.with_groove_intervals(&self.case, FEW_DRAWS, answer);
         // Without a warm steady state, the report has no phases, and its verdict is already final.
         if !self.phases.is_empty() {
             self.answer.fails = self.answer.rules.iter().any(Criterion::fails);
@@ -558,14 +562,14 @@ impl AxisReport {
 
     /// Calculates results and design rules, but omits the notes that require additional model
     /// solutions.
-    pub(crate) fn judged(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
-        Self::with(case, settings, Detail::JUDGED)
+    pub(crate) fn without_band(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
+        Self::with(case, settings, Detail::WITHOUT_BAND)
     }
 
     /// Calculates results and design rules for a possible groove, without warnings, notes and order
     /// data.
     pub(crate) fn numbers_only(case: &Case, settings: &Settings) -> Result<Answer, CaseError> {
-        let detail = Detail { texts: false, ..Detail::JUDGED };
+        let detail = Detail { texts: false, ..Detail::WITHOUT_BAND };
         Self::with(case, settings, detail).map(|report| report.answer)
     }
 
@@ -574,21 +578,21 @@ impl AxisReport {
         let given = &given.with_preload()?;
         let warm = Warm::with_band(given, settings, detail)?;
         if let Some(warm) = warm.as_ref().filter(|warm| warm.state.is_none()) {
-            return Ok(Self::of_none(given, warm));
+            return Ok(Self::without_steady_state(given, warm));
         }
         let settings = &warm.as_ref().map_or(*settings, |warm| warm.settings);
         let case = &warm.as_ref().map_or_else(|| given.clone(), |warm| warm.case(given));
-        let worked = AxisState::of(case, settings, warm)?;
-        let (of_nut, of_ratings) = match &worked.machine.groove {
-            Some(_) => ratings_and_warnings(&at_largest(case, &worked.machine.axis))?,
+        let state = AxisState::of(case, settings, warm)?;
+        let (of_nut, of_ratings) = match &state.machine.groove {
+            Some(_) => ratings_and_warnings(&at_largest(case, &state.machine.axis))?,
             None => (Answer::default(), Vec::new()),
         };
         let warnings =
-            if detail.texts { all_warnings(&worked, case, of_ratings) } else { Vec::new() };
+            if detail.texts { all_warnings(&state, case, of_ratings) } else { Vec::new() };
         let texts = warnings.iter().map(|warning| warning.text.clone()).collect();
-        let (machine, preload) = (&worked.machine, worked.preload.as_ref());
-        let fold = worked.warm.as_ref().and_then(|warm| warm.fold.as_ref()).map(|fold| fold.factor);
-        let numbers = read(&worked, |quantity| is_known(case, quantity)).where_finite();
+        let (machine, preload) = (&state.machine, state.preload.as_ref());
+        let fold = state.warm.as_ref().and_then(|warm| warm.fold.as_ref()).map(|fold| fold.factor);
+        let numbers = read(&state, |quantity| is_known(case, quantity)).where_finite();
         sufficiency::check(case, &numbers)?;
         let rules = rules::rules(
             case,
@@ -597,27 +601,27 @@ impl AxisReport {
             &of_nut,
             (preload, machine.required_life),
             [
-                worked.motor_peak(AxisState::motor_torque),
-                worked.motor_peak(AxisState::torque_utilization),
+                state.motor_peak(AxisState::motor_torque),
+                state.motor_peak(AxisState::torque_utilization),
             ],
         );
-        let phases: Vec<_> = (0..worked.torques.len()).map(|place| worked.phase(place)).collect();
+        let phases: Vec<_> = (0..state.torques.len()).map(|place| state.phase(place)).collect();
         let screw = read_screw(&Screw { case, machine, of_nut: &of_nut, preload }, |_| true);
         let screw = screw.where_finite();
         let fails = rules.iter().any(Criterion::fails);
-        let mut notes = if detail.texts { worked.notes() } else { Vec::new() };
+        let mut notes = if detail.texts { state.notes() } else { Vec::new() };
         if detail.band {
-            notes.extend(worked.uncertainty_note());
-            notes.extend(worked.falls());
+            notes.extend(state.uncertainty_note());
+            notes.extend(state.back_driving_note());
         }
         // If no force acts at standstill, a note says so, and the outputs for the load at
         // standstill are hidden.
-        let is_free = worked.machine.rest_load == 0.0;
-        let numbers = numbers.hiding(if is_free { &AT_REST } else { &NOT_FOR_A_BRAKE });
-        let order = if detail.texts { worked.order() } else { Order::default() };
-        let not_given = worked.not_given();
+        let is_free = state.machine.rest_load == 0.0;
+        let numbers = numbers.with_hidden(if is_free { &AT_REST } else { &NOT_FOR_A_BRAKE });
+        let order = if detail.texts { state.order() } else { Order::default() };
+        let not_given = state.not_given();
         let of = Answer { rules, notes, warnings: texts, not_given, fails, ..Answer::default() };
-        let warm = worked.warm.as_ref();
+        let warm = state.warm.as_ref();
         let mut answer = sheet(
             of,
             given,
@@ -625,12 +629,12 @@ impl AxisReport {
             (&phases, numbers, screw),
             not_modeled(
                 given,
-                worked.machine.groove.is_some()
+                state.machine.groove.is_some()
                     && !contacts::takes_catalog_efficiency(given, settings),
-                worked.heating.as_ref(),
+                state.heating.as_ref(),
             ),
         );
-        let back_driving = worked.back_driving().map(str::to_owned);
+        let back_driving = state.back_driving().map(str::to_owned);
         answer = answer.with(
             "back_driving",
             if is_free {
@@ -644,7 +648,7 @@ impl AxisReport {
     }
 
     /// Creates the axis sheet of an axis that has no warm steady state.
-    fn of_none(case: &Case, warm: &Warm) -> Self {
+    fn without_steady_state(case: &Case, warm: &Warm) -> Self {
         let rules = rules::steady_state(warm.fold.as_ref().map(|fold| fold.factor));
         let rules = rules.into_iter().collect();
         let texts: Vec<_> = warm.warning().into_iter().collect();
@@ -739,26 +743,26 @@ pub(crate) fn numbers(
 /// warning.
 ///
 /// * `of_ratings`: warnings about the ratings of the nut.
-fn all_warnings(worked: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -> Vec<Warning> {
-    let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
+fn all_warnings(state: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -> Vec<Warning> {
+    let mut texts: Vec<_> = state.machine.warning.iter().cloned().collect();
     texts.extend(case.unused_with_cycle());
-    texts.extend(worked.has_unused_rigidity().then(|| UNUSED_RIGIDITY.to_owned()));
+    texts.extend(state.has_unused_rigidity().then(|| UNUSED_RIGIDITY.to_owned()));
     let is_estimated = case.has_estimated_groove();
     // An estimated groove may have different proportions than the real groove, so warnings about
     // the proportions are discarded.
     let mut warnings = if is_estimated { Vec::new() } else { of_ratings };
-    if worked.machine.groove.is_none() || is_estimated {
+    if state.machine.groove.is_none() || is_estimated {
         texts.extend(case.warnings());
     }
     // For an estimated groove, the edge-load rule, which considers all possible grooves, replaces
     // the warning about the flanks.
     let of_balls =
         if is_estimated { NutReport::warnings_besides_flanks } else { NutReport::warnings };
-    texts.extend(worked.nut.as_ref().map(of_balls).unwrap_or_default());
-    texts.extend(worked.warm.iter().filter_map(Warm::warning));
+    texts.extend(state.nut.as_ref().map(of_balls).unwrap_or_default());
+    texts.extend(state.warm.iter().filter_map(Warm::warning));
     warnings.extend(texts.into_iter().map(Warning::advice));
-    warnings.extend(worked.warnings());
-    if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
+    warnings.extend(state.warnings());
+    if let Some(why @ CaseError::Nut(_)) = &state.no_nut {
         let text = format!("{}; the preload rules are not checked", no_balls(why));
         warnings.push(Warning::limit(SelectionLimit::UnsolvedNut, text));
     }
@@ -871,7 +875,7 @@ impl AxisState<'_> {
         let samples = self.axis().phases[..=place].iter().map(|phase| phase.samples().len());
         let sample = samples.sum::<usize>() - 1;
         let nut = self.warm_state().and_then(|warm| warm.phases[sample].as_ref());
-        let phase = PhaseResult { worked: self, torques, nut };
+        let phase = PhaseResult { state: self, torques, nut };
         let motion = read_phase(&phase, |quantity| is_known(self.case, quantity));
         let numbers = motion.and(torques.heavier().numbers()).where_finite();
         let bodies = nut.map(|nut| nut.bodies.clone());
@@ -889,7 +893,7 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
     }
     if case.fold_search_factor.is_some() && case.entries.warm_state.is_none() {
         let what = "has no effect unless warm_state is given";
-        return Err(bad(InputKey::fold_search_factor.name(), what));
+        return Err(invalid_input(InputKey::fold_search_factor.name(), what));
     }
     // Inputs of the section "warm state" that have an effect even without the thermal network.
     let act = [
@@ -904,7 +908,7 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
         Some(key) => {
             let what =
                 "has no effect with axis_heat_transfer_W_K, which replaces the thermal network";
-            Err(bad(key.name(), what))
+            Err(invalid_input(key.name(), what))
         }
         None => Ok(()),
     }

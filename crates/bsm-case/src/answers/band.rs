@@ -45,7 +45,7 @@ pub(crate) fn numbers(
     let band = solution.solved().and_then(|solved| problem.band(solved, work));
     Ok(match band {
         Some(band) => read(&band, |_| true),
-        None => Numbers::none(QUANTITIES).because(Some(NO_INTERVAL.to_owned())),
+        None => Numbers::none(QUANTITIES).with_reason(Some(NO_INTERVAL.to_owned())),
     })
 }
 

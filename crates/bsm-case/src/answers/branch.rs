@@ -36,7 +36,7 @@ pub(crate) fn numbers(
     settings: &Settings,
     work: &mut ModelWorkspace,
 ) -> Result<Numbers, CaseError> {
-    let none = |why: String| Numbers::none(QUANTITIES).because(Some(why));
+    let none = |why: String| Numbers::none(QUANTITIES).with_reason(Some(why));
     Ok(match case.problem(settings)?.branch(work) {
         None => none(NO_BRANCH.to_owned()),
         Some(Err(no_answer)) => none(message(no_answer.reason())),

@@ -11,10 +11,10 @@ use thiserror::Error;
 
 use crate::answers::fit::{exact, measurable, measured};
 use crate::vocabulary::cells::Cells;
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::members::{Data, Keyed, Label, Rows, Word, answer, row};
 use crate::vocabulary::names::{GivenNames, unknown_key};
-use crate::vocabulary::number::{count, number};
+use crate::vocabulary::number::{count, format_number};
 use crate::vocabulary::units::{UnitChange, convert};
 use crate::{
     Answer, Case, CaseError, FittedInput, InputKey, InputSet, Output, Settings, TableFormat,
@@ -102,7 +102,9 @@ impl MeasurementError {
     /// Returns [`CaseError`] if no kind has this name.
     pub fn named(name: &str) -> Result<Self, CaseError> {
         let found = Self::ALL.into_iter().find(|error| error.name() == name);
-        found.ok_or_else(|| bad("errors", format!("is {name}, but must be relative or absolute")))
+        found.ok_or_else(|| {
+            invalid_input("errors", format!("is {name}, but must be relative or absolute"))
+        })
     }
 
     /// Returns the measurement error by which the residual of a measured value is divided.
@@ -152,7 +154,7 @@ pub enum NoFit {
         "a point has no solution for some values of the fitted inputs, or the search does not converge; \
          give narrower ranges for the inputs"
     )]
-    Lost,
+    NotConverged,
     /// The sum of the squared residuals is not finite.
     #[error(
         "the squared residuals are outside the range of double precision, because measured {output} reaches {largest:e}; check \
@@ -168,11 +170,11 @@ pub enum NoFit {
 
 /// A fitted input that ended at a limit of its search range. The fit then fails.
 #[derive(Debug, Clone, PartialEq)]
-pub struct HeldInput {
+pub struct InputAtLimit {
     /// Name of the input.
     key: InputKey,
     /// Limit of the range at which the input ended.
-    at: f64,
+    limit: f64,
     /// Search range of the input.
     range: (f64, f64),
     /// Smallest and largest output over all points and over the search range of the input.
@@ -190,7 +192,7 @@ pub struct CalibrationReport {
     /// Root mean square of the residuals divided by the errors of the points.
     pub weighted_scatter: f64,
     /// Inputs that ended at a limit of their search range. If the list is not empty, the fit fails.
-    pub held: Vec<HeldInput>,
+    pub at_limit: Vec<InputAtLimit>,
 }
 
 impl Calibration {
@@ -228,13 +230,13 @@ impl Calibration {
     /// answer.
     ///
     /// * `prepare`: prepares the same fit for a case with another possible groove.
-    pub fn over_grooves(
+    pub fn with_groove_intervals(
         answer: Answer,
         case: &Case,
         settings: &Settings,
         prepare: impl Fn(&Case) -> Result<Self, CaseError> + Sync,
     ) -> Answer {
-        let mut answer = answer.over_grooves(case, FEW_DRAWS, |possible| {
+        let mut answer = answer.with_groove_intervals(case, FEW_DRAWS, |possible| {
             let fit = prepare(possible).ok()?;
             let report = fit.run(possible, settings).ok()?.ok()?;
             Some(fit.answer(possible, &report))
@@ -288,7 +290,7 @@ impl Calibration {
             Ok::<_, CaseError>(Some(left))
         };
         let found = least_squares(&mut residuals, &start, &bounds)?;
-        let Some(found) = found else { return Ok(Err(NoFit::Lost)) };
+        let Some(found) = found else { return Ok(Err(NoFit::NotConverged)) };
         let root_mean_square = |of: &mut dyn Iterator<Item = f64>| {
             let square: f64 = of.map(|x| x * x).sum();
             (square / count(self.points.len())).sqrt()
@@ -300,22 +302,23 @@ impl Calibration {
             let (output, largest) = (self.output.name, values.fold(0.0, f64::max));
             return Ok(Err(NoFit::NotFinite { output, largest }));
         }
-        let is_held = |place: &usize| found.held[*place];
-        let held = (0..self.inputs.len()).filter(is_held);
-        let held = held.map(|place| self.held(place, &found.at, settings, &mut work));
-        let held = held.collect::<Result<_, _>>()?;
-        Ok(Ok(CalibrationReport { found, scatter, weighted_scatter, held }))
+        let is_held = |place: &usize| found.at_bound[*place];
+        let at_limit = (0..self.inputs.len()).filter(is_held);
+        let at_limit = at_limit
+            .map(|place| self.input_at_limit(place, &found.parameters, settings, &mut work));
+        let at_limit = at_limit.collect::<Result<_, _>>()?;
+        Ok(Ok(CalibrationReport { found, scatter, weighted_scatter, at_limit }))
     }
 
     /// Calculates the range of outputs that are reachable if one input varies over its search
     /// range, while the other inputs keep their fitted values.
-    fn held(
+    fn input_at_limit(
         &self,
         place: usize,
         fitted: &[f64],
         settings: &Settings,
         work: &mut ModelWorkspace,
-    ) -> Result<HeldInput, CaseError> {
+    ) -> Result<InputAtLimit, CaseError> {
         let (key, range) = self.inputs[place];
         let (mut values, mut reachable) = (fitted.to_vec(), None);
         for step in 0..=REACH_STEPS {
@@ -328,25 +331,25 @@ impl Calibration {
                 reachable = Some((output.min(low), output.max(high)));
             }
         }
-        Ok(HeldInput { key, at: fitted[place], range, reachable })
+        Ok(InputAtLimit { key, limit: fitted[place], range, reachable })
     }
 
     /// Returns a sentence that reports an input at a limit of its search range, and states the
     /// reachable outputs.
-    fn describe(&self, held: &HeldInput) -> String {
-        let HeldInput { key, at, range: (low, high), reachable } = held;
+    fn describe(&self, input: &InputAtLimit) -> String {
+        let InputAtLimit { key, limit, range: (low, high), reachable } = input;
         let (input, output) = (key.name(), self.output.name);
         let measured = self.points.iter().map(|point| point.value);
         let (least, most) =
             measured.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
         let reach = reachable.map_or_else(String::new, |(a, b)| {
-            let [a, b, least, most] = [a, b, least, most].map(number);
+            let [a, b, least, most] = [a, b, least, most].map(format_number);
             format!(
                 ". With {input} from {low} to {high}, the model gives {output} from {a} to {b} at these points, but the measured \
                  values are {least} to {most}"
             )
         });
-        format!("the fit fails, because {input} = {at:.6} is at the end of its range{reach}")
+        format!("the fit fails, because {input} = {limit:.6} is at the end of its range{reach}")
     }
 
     /// Returns the output at a point for the given values of the fitted inputs, or `None` if the
@@ -369,7 +372,7 @@ impl Calibration {
     /// Returns a row for each input: its name, value and standard deviation.
     pub fn rows(&self, report: &CalibrationReport) -> Vec<(&'static str, f64, Option<f64>)> {
         let deviation = |i: usize| report.found.deviations.as_ref().map(|all| all[i]);
-        let rows = self.inputs.iter().zip(&report.found.at).enumerate();
+        let rows = self.inputs.iter().zip(&report.found.parameters).enumerate();
         rows.map(|(i, ((key, _), value))| (key.name(), *value, deviation(i))).collect()
     }
 
@@ -440,12 +443,12 @@ impl Calibration {
             Some(MeasurementError::Absolute) => "",
             None => "RMS residual relative to the given errors:",
         };
-        let weighted = (!label.is_empty()).then(|| number(report.weighted_scatter));
+        let weighted = (!label.is_empty()).then(|| format_number(report.weighted_scatter));
         let free = self.points.len().saturating_sub(self.inputs.len());
         let mut warnings = self.warnings(case, report);
-        warnings.extend(report.held.iter().map(|held| self.describe(held)));
-        let residual = format!("{} ({})", number(report.scatter), self.output.name);
-        let of = Answer { warnings, fails: !report.held.is_empty(), ..Answer::default() };
+        warnings.extend(report.at_limit.iter().map(|at_limit| self.describe(at_limit)));
+        let residual = format!("{} ({})", format_number(report.scatter), self.output.name);
+        let of = Answer { warnings, fails: !report.at_limit.is_empty(), ..Answer::default() };
         of.with_members(CalibrationMembers {
             output: Data(self.output.name),
             found: Keyed(found),
@@ -456,7 +459,10 @@ impl Calibration {
             condition: Data(condition),
             shown_residual: Word("RMS residual:", residual),
             shown_weighted: Label(label, weighted),
-            shown_condition: Word("condition number:", format!("{}{caution}", number(condition))),
+            shown_condition: Word(
+                "condition number:",
+                format!("{}{caution}", format_number(condition)),
+            ),
             points: Rows(points),
         })
     }
@@ -509,14 +515,14 @@ fn points(
         match InputKey::known_in_unit(name) {
             Some((key, _)) if sought.replaced().contains(key) => {
                 let what = "is replaced by an input that the fit determines; remove the column";
-                Err(bad(name, what))
+                Err(invalid_input(name, what))
             }
             Some((key, change)) => Ok(Some((key.name(), change))),
             None => measured(name).map(Some).ok_or_else(|| unknown_key(name)),
         }
     })?;
     if !columns.iter().flatten().any(|(name, _)| *name == output.name) {
-        return Err(bad(output.name, "must be one column of the table of measurements"));
+        return Err(invalid_input(output.name, "must be one column of the table of measurements"));
     }
     let has_errors = columns.iter().flatten().any(|(name, _)| *name == ERROR);
     let errors = match (has_errors, errors) {
@@ -527,7 +533,7 @@ fn points(
                 "is a column of the table, but the option for errors is also set (to {}); use only one of them",
                 errors.name()
             );
-            return Err(bad(format!("{}{ERROR}", output.name), what));
+            return Err(invalid_input(format!("{}{ERROR}", output.name), what));
         }
     };
     let inputs = columns.iter().flatten().filter_map(|(name, _)| InputKey::named(name).ok());
@@ -554,7 +560,7 @@ fn points(
             (Some(errors), _) => errors.of(output, value)?,
             (None, Some(error)) if error > 0.0 => error,
             (None, Some(error)) => {
-                return Err(bad(column, format!("is {error}, but must be positive")));
+                return Err(invalid_input(column, format!("is {error}, but must be positive")));
             }
             (None, None) => return Err(missing(&column)),
         };

@@ -93,7 +93,7 @@ impl Cells for RecordCells {
 pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
     let answer = compared(case, REPEATS)?;
     // The solver time is measured only for the best groove and therefore has no interval.
-    Ok(answer.over_grooves(case, FEW_DRAWS, |possible| compared(possible, 0).ok()))
+    Ok(answer.with_groove_intervals(case, FEW_DRAWS, |possible| compared(possible, 0).ok()))
 }
 
 /// Solves the case with all models whose inputs are given, without intervals.

@@ -15,7 +15,7 @@ use crate::answers::optimum::hard_to_make;
 use crate::answers::schema::CaseJson;
 use crate::vocabulary::answer::limits_in_words;
 use crate::vocabulary::members::{Data, Label, Rows, Sentences, answer, row};
-use crate::vocabulary::number::{decimal, trimmed};
+use crate::vocabulary::number::{decimal, format_trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
@@ -129,8 +129,10 @@ impl DesignReport {
             Outcome::Found { design, active, failed_rules } => {
                 let mut names: Vec<_> =
                     active.iter().map(|holds| step(holds.quantity).name).collect();
-                let mut words: Vec<_> =
-                    active.iter().map(|holds| held_back(requirement, &design, holds)).collect();
+                let mut words: Vec<_> = active
+                    .iter()
+                    .map(|holds| describe_active_limit(requirement, &design, holds))
+                    .collect();
                 for name in failed_rules {
                     if !names.contains(&name) {
                         names.push(name);
@@ -140,13 +142,13 @@ impl DesignReport {
                 (design, words, true)
             }
             Outcome::Infeasible { design, blocking } => {
-                (design, blocking.iter().map(blocks).collect(), false)
+                (design, blocking.iter().map(describe_blocking_limit).collect(), false)
             }
         };
         let case = case(requirement, &design);
         let offered = design.size.and_then(|size| size.offered);
-        let judged = requirement.judge(&case);
-        let why = match &judged {
+        let axis_sheet = requirement.axis_sheet(&case);
+        let why = match &axis_sheet {
             Ok(_) => None,
             // A screw that the other commands would reject must not be reported as found.
             Err(why) if found || reasons.is_empty() => {
@@ -156,7 +158,7 @@ impl DesignReport {
             }
             Err(why) => Some(why.to_string()),
         };
-        let sheet = judged.ok();
+        let sheet = axis_sheet.ok();
         let of_axis = sheet.as_ref().map_or_else(Vec::new, |sheet| sheet.warnings.clone());
         let has_sheet = sheet.is_some();
         let runs_away = sheet.as_ref().is_some_and(|sheet| sheet.phases.is_empty());
@@ -190,7 +192,7 @@ impl DesignReport {
                 warnings.push(format!(
                     "screw_torque_Nm is interpreted as the torque of a screw without friction (Lin's step 7); \
                      with an efficiency of {eta:.4}, this load needs a torque of {} N m.",
-                    trimmed(needed)
+                    format_trimmed(needed)
                 ));
             }
         }
@@ -203,8 +205,9 @@ impl DesignReport {
         }
         let rows = rows_of(&design, &rules);
         if !found && reasons.is_empty() {
-            reasons.extend(rules.iter().filter(|rule| rule.fails()).map(breaks));
-            let limits = of_axis.iter().filter(|warning| requirement.forbids(warning).is_some());
+            reasons.extend(rules.iter().filter(|rule| rule.fails()).map(describe_violation));
+            let limits =
+                of_axis.iter().filter(|warning| requirement.violated_limit(warning).is_some());
             reasons.extend(limits.map(|warning| warning.text.clone()));
         }
         if !found && reasons.is_empty() {
@@ -280,8 +283,8 @@ impl RequirementFile {
 
     /// Calculates the axis sheet (see [`AxisReport`]) against which every selected, listed or
     /// manufacturer's nut is checked.
-    pub(crate) fn judge(&self, case: &Case) -> Result<AxisReport, CaseError> {
-        AxisReport::judged(case, &self.settings)
+    pub(crate) fn axis_sheet(&self, case: &Case) -> Result<AxisReport, CaseError> {
+        AxisReport::without_band(case, &self.settings)
     }
 
     /// Returns the case of a nut at the operating point of the requirement.
@@ -292,7 +295,7 @@ impl RequirementFile {
     /// Returns the outputs [`sheet_columns`] for a nut in the axis of the requirement, with NaN for
     /// missing outputs. Returns `None` if the nut violates a rule of the axis sheet.
     pub fn sheet_of(&self, candidate: &Candidate) -> Option<Vec<f64>> {
-        let report = self.judge(&self.case_of(candidate)).ok()?;
+        let report = self.axis_sheet(&self.case_of(candidate)).ok()?;
         let number = |column: &Output| report.number(column.into()).unwrap_or(f64::NAN);
         let suits = self.objections(&report).next().is_none();
         suits.then(|| sheet_columns().map(number).collect())
@@ -309,7 +312,7 @@ impl RequirementFile {
 
     /// Returns the selection limit that a warning states, unless the requirement permits the
     /// warning.
-    fn forbids(&self, warning: &Warning) -> Option<SelectionLimit> {
+    fn violated_limit(&self, warning: &Warning) -> Option<SelectionLimit> {
         let Requirement { fixed, largest_turns, ball_over_lead, .. } = &self.problem;
         let usual = Requirement::BALL_OVER_LEAD * (1.0 + 1e-9);
         warning.limit.filter(|limit| match limit {
@@ -333,7 +336,7 @@ impl RequirementFile {
     /// selection limits in its warnings.
     pub(crate) fn failed_rules(&self, sheet: &AxisReport) -> Vec<&'static str> {
         let broken = sheet.answer.rules.iter().filter(|rule| rule.fails()).map(|rule| rule.title);
-        let limits = sheet.warnings.iter().filter_map(|warning| self.forbids(warning));
+        let limits = sheet.warnings.iter().filter_map(|warning| self.violated_limit(warning));
         broken.chain(limits.map(SelectionLimit::label)).collect()
     }
 
@@ -344,7 +347,7 @@ impl RequirementFile {
         sheet: &'a AxisReport,
     ) -> impl Iterator<Item = &'static str> + 'a {
         let broken = sheet.answer.rules.iter().filter(|rule| rule.fails()).map(|rule| rule.name);
-        let limits = sheet.warnings.iter().filter_map(|warning| self.forbids(warning));
+        let limits = sheet.warnings.iter().filter_map(|warning| self.violated_limit(warning));
         broken.chain(limits.map(SelectionLimit::label))
     }
 }
@@ -356,15 +359,16 @@ fn accepted(requirement: &RequirementFile, design: &Design) -> Result<(), Vec<&'
     let Requirement { least_efficiency, largest_power, preload, .. } = &requirement.problem;
     let case = case(requirement, design);
     // Most rules can be checked quickly without friction. A warm state needs friction.
-    if !case.asks_warm() {
-        let sheet = requirement.judge(&case.clone().without_friction()).map_err(|_| Vec::new())?;
-        let judged = sheet.answer.rules.iter().filter(|rule| !rule.value.is_nan());
-        let broken: Vec<_> = judged.filter(|rule| rule.fails()).map(|rule| rule.name).collect();
+    if !case.requests_warm_state() {
+        let sheet =
+            requirement.axis_sheet(&case.clone().without_friction()).map_err(|_| Vec::new())?;
+        let with_value = sheet.answer.rules.iter().filter(|rule| !rule.value.is_nan());
+        let broken: Vec<_> = with_value.filter(|rule| rule.fails()).map(|rule| rule.name).collect();
         if !broken.is_empty() {
             return Err(broken);
         }
     }
-    let sheet = requirement.judge(&case).map_err(|_| Vec::new())?;
+    let sheet = requirement.axis_sheet(&case).map_err(|_| Vec::new())?;
     let mut broken: Vec<_> = requirement.objections(&sheet).collect();
     let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
     if by_all_balls {
@@ -513,9 +517,10 @@ fn of_rule(rule: &Criterion) -> DesignRow {
 }
 
 /// Describes a rule of the sheet that the best screw within all other limits violates.
-fn breaks(rule: &Criterion) -> String {
+fn describe_violation(rule: &Criterion) -> String {
     let Criterion { name, unit, value, limit, at_least, .. } = rule;
-    let number = |value: f64| format!("{} {}", trimmed(value), unit.text).trim_end().to_owned();
+    let number =
+        |value: f64| format!("{} {}", format_trimmed(value), unit.text).trim_end().to_owned();
     let than = if *at_least { "at least" } else { "at most" };
     let limit = limit.map_or_else(String::new, number);
     let help =
@@ -550,7 +555,11 @@ fn unit(quantity: DesignQuantity) -> String {
 
 /// Describes an active limit, and states the value that the objective could reach without this
 /// limit.
-fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimit) -> String {
+fn describe_active_limit(
+    requirement: &RequirementFile,
+    design: &Design,
+    holds: &BindingLimit,
+) -> String {
     let name = step(holds.quantity).about;
     let quantity = requirement.problem.objective.quantity();
     let check = |quantity| design.checks.iter().find(|check| check.quantity == quantity);
@@ -559,8 +568,8 @@ fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimi
     };
     let limit =
         check(holds.quantity).and_then(required).unwrap_or_default() + &unit(holds.quantity);
-    let [without, with] =
-        [without, chosen.value].map(|value| trimmed(in_unit(chosen, value)) + &unit(quantity));
+    let [without, with] = [without, chosen.value]
+        .map(|value| format_trimmed(in_unit(chosen, value)) + &unit(quantity));
     format!(
         "{name} {limit}. Without this limit, the best screw would have {} = {without} instead of {with}",
         step(quantity).about
@@ -568,9 +577,9 @@ fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimi
 }
 
 /// Describes a limit that cannot be met, with the best possible value and the cause.
-fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
+fn describe_blocking_limit(ActiveLimit { check, cause }: &ActiveLimit) -> String {
     let (name, unit) = (step(check.quantity).about, unit(check.quantity));
-    let number = |value: f64| format!("{}{unit}", trimmed(in_unit(check, value)));
+    let number = |value: f64| format!("{}{unit}", format_trimmed(in_unit(check, value)));
     let rule = format!("{name} must be {}{unit}", required(check).unwrap_or_default());
     match cause {
         Infeasibility::SingleLimit(best) => {

@@ -7,7 +7,7 @@ use bsm_dyn::{
 };
 use bsm_kin::{BallFrame, Site};
 
-use crate::answers::moving::{MovingBall, MovingContact};
+use crate::answers::motion::{MovingBall, MovingContact};
 use crate::answers::nut::Columns;
 use crate::answers::slip::{Law, integration};
 use crate::vocabulary::members::{Rows, Word, answer, row};

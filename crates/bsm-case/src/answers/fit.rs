@@ -13,12 +13,12 @@ use serde_json::Value;
 use crate::answers::axis::rule_titles;
 use crate::answers::groove::pair;
 use crate::answers::schema::RecordJson;
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::members::{Data, Maybe, Word, answer, one_member, with_unit};
 use crate::vocabulary::units::{UnitChange, convert};
 use crate::{
-    AnalysisKind, Answer, AxisReport, Case, CaseError, INPUTS, InputKey, Known, ModelChoice,
-    Output, Quantity, Record, Rule, Settings, interval,
+    AnalysisKind, Answer, AxisReport, Case, CaseError, INPUTS, InputKey, ModelChoice, NameKind,
+    Output, Quantity, Record, Rule, Settings, format_interval,
 };
 
 /// Returns the output to which `name` refers, and the conversion from the unit at the end of `name`
@@ -37,7 +37,7 @@ pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), Ca
     };
     known.or_else(in_other_unit).ok_or_else(|| {
         let nearest = Output::nearest(name).filter(|nearest| *nearest != name);
-        CaseError::unknown(Known::Output, name, nearest)
+        CaseError::unknown(NameKind::Output, name, nearest)
     })
 }
 
@@ -92,11 +92,11 @@ const FRICTION: (f64, f64) = (1e-4, 0.5);
 
 /// Default search range of other inputs that are fitted to a table of points, relative to the value
 /// in the case.
-const NEAR: (f64, f64) = (0.25, 4.0);
+const TABLE_RANGE: (f64, f64) = (0.25, 4.0);
 
 /// Default search range of other inputs that are determined from a single value, relative to the
 /// value in the case.
-const WIDE: (f64, f64) = (0.01, 100.0);
+const SINGLE_VALUE_RANGE: (f64, f64) = (0.01, 100.0);
 
 /// Condition that the value of the input must satisfy.
 #[derive(Debug, Clone)]
@@ -173,7 +173,7 @@ pub struct FitValue {
     pub band: Option<Band>,
     /// Number of possible grooves for which no value near the value for the best groove satisfies
     /// the condition.
-    pub without: usize,
+    pub grooves_without_value: usize,
     /// Solutions for the possible grooves, each with the value of the input that satisfies the
     /// condition for this groove.
     possible: Vec<Record>,
@@ -189,7 +189,7 @@ pub struct FitReport {
     pub jumps: Vec<f64>,
     /// Parts of the search range in which the rule is met. The list is empty if the condition is a
     /// measured output.
-    pub kept: Vec<(f64, f64)>,
+    pub ranges_within_limit: Vec<(f64, f64)>,
     /// Smallest and largest output, or margin of the rule, in the part of the search range in which
     /// the model has solutions.
     pub reachable: Option<(f64, f64)>,
@@ -232,7 +232,10 @@ fn range_of(
     let ends = [range.0, range.1];
     let key = input.name();
     if matches!(rule, Rule::Whole(_) | Rule::OneOf(_)) {
-        return Err(bad(key, "takes only discrete values, so a continuous search cannot fit it"));
+        return Err(invalid_input(
+            key,
+            "takes only discrete values, so a continuous search cannot fit it",
+        ));
     }
     if !(range.0 < range.1 && ends.iter().all(|value| rule.holds(*value))) {
         let (low, high) = range;
@@ -288,7 +291,7 @@ impl FittedInput {
 
     /// Returns the input and its search range for a fit to a table of points.
     pub(crate) fn of_points(&self, base: &Case) -> Result<(InputKey, (f64, f64)), CaseError> {
-        self.key_and_range(base, NEAR)
+        self.key_and_range(base, TABLE_RANGE)
     }
 }
 
@@ -318,7 +321,7 @@ impl Measurement {
     fn target(&self) -> Result<Target, CaseError> {
         let (output, change) = measurable(&self.name)?;
         if !self.value.is_finite() {
-            return Err(bad(
+            return Err(invalid_input(
                 &self.name,
                 format!("has the measured value {}, but the value must be finite", self.value),
             ));
@@ -367,7 +370,7 @@ impl Fit {
     }
 
     fn with(case: &Case, input: &FittedInput, target: Target) -> Result<Self, CaseError> {
-        let (input, range) = input.key_and_range(case, WIDE)?;
+        let (input, range) = input.key_and_range(case, SINGLE_VALUE_RANGE)?;
         Ok(Self { input, range, target })
     }
 
@@ -392,7 +395,7 @@ impl Fit {
                 Ok(found.map(|found| found - value))
             }
             Target::Limit { rule } => {
-                let report = AxisReport::judged(case, settings)?;
+                let report = AxisReport::without_band(case, settings)?;
                 let own = report.answer.rules.iter().find(|own| own.title == *rule);
                 Ok(own.and_then(|own| Some(own.margin()? - 1.0)))
             }
@@ -419,8 +422,8 @@ impl Fit {
             };
             // The model is chosen with the fitted value, because the case itself may lack the
             // fitted input.
-            let values = self.at(case, fitted.value)?.over_possible(FEW_DRAWS, follow);
-            fitted.without = values.iter().filter(|value| value.is_none()).count();
+            let values = self.at(case, fitted.value)?.map_possible_grooves(FEW_DRAWS, follow);
+            fitted.grooves_without_value = values.iter().filter(|value| value.is_none()).count();
             fitted.band = Band::of(values.iter().flatten().map(|(value, _)| *value));
             fitted.possible =
                 values.into_iter().flatten().filter_map(|(_, record)| record).collect();
@@ -526,17 +529,17 @@ impl Fit {
             let response = offset / (root.at * root.slope);
             let record = self.record(&case, settings, root.at, &mut work.borrow_mut());
             let (value, possible) = (root.at, Vec::new());
-            FitValue { value, response, record, band: None, without: 0, possible }
+            FitValue { value, response, record, band: None, grooves_without_value: 0, possible }
         };
         let found = run.roots.iter().map(fitted).collect();
-        let kept = match &self.target {
-            Target::Limit { .. } => self.kept(&run.roots, &run.jumps, excess)?,
+        let ranges_within_limit = match &self.target {
+            Target::Limit { .. } => self.ranges_within_limit(&run.roots, &run.jumps, excess)?,
             Target::Measured { .. } => Vec::new(),
         };
         Ok(FitReport {
             found,
             jumps: run.jumps,
-            kept,
+            ranges_within_limit,
             reachable: run.values.map(|(low, high)| (low + offset, high + offset)),
             solved: run.share,
         })
@@ -544,7 +547,7 @@ impl Fit {
 
     /// Returns the parts of the search range in which the rule is met. The rule is checked in the
     /// middle between successive roots and jumps.
-    fn kept(
+    fn ranges_within_limit(
         &self,
         roots: &[SignChange],
         jumps: &[f64],
@@ -556,13 +559,13 @@ impl Fit {
         ends.sort_by(f64::total_cmp);
         // A root at an end of the range would otherwise occur twice in the list.
         ends.dedup();
-        let mut kept = Vec::new();
+        let mut ranges_within_limit = Vec::new();
         for part in ends.windows(2) {
             if excess(0.5 * (part[0] + part[1]))? >= 0.0 {
-                kept.push((part[0], part[1]));
+                ranges_within_limit.push((part[0], part[1]));
             }
         }
-        Ok(kept)
+        Ok(ranges_within_limit)
     }
 
     /// Returns true if the measured output is calculated by a model of a single ball, and false if
@@ -588,7 +591,7 @@ impl Fit {
             .iter()
             .map(|FitValue { value, band, .. }| {
                 let with = band.map_or("", |_| " over the possible grooves");
-                format!("{input} = {value:.6}{}{with}", interval(*band))
+                format!("{input} = {value:.6}{}{with}", format_interval(*band))
             })
             .collect();
         let jumps: Vec<_> = report.jumps.iter().map(|at| format!("{at:.6}")).collect();
@@ -609,7 +612,7 @@ impl Fit {
             }
             (Target::Limit { rule }, ..) => {
                 let parts: Vec<_> = report
-                    .kept
+                    .ranges_within_limit
                     .iter()
                     .map(|(low, high)| format!("{low:.6} to {high:.6}"))
                     .collect();
@@ -665,11 +668,11 @@ impl Fit {
         let solutions: Vec<_> = report.found.iter().map(|found| found.solution(case)).collect();
         let values = report.found.iter().zip(&solutions);
         let warnings = case.warnings();
-        let fails = report.found.is_empty() && report.kept.is_empty();
-        let without = report.found.iter().filter(|found| found.without > 0).map(|found| {
+        let fails = report.found.is_empty() && report.ranges_within_limit.is_empty();
+        let missing_values = report.found.iter().filter(|found| found.grooves_without_value > 0).map(|found| {
             format!(
                 "For {} of {} possible grooves, no value near {} = {:.6} in the range gives this result.",
-                found.without,
+                found.grooves_without_value,
                 case.draws(FEW_DRAWS),
                 self.input.name(),
                 found.value
@@ -679,17 +682,18 @@ impl Fit {
             "The intervals contain the uncertainty of the estimated groove, but not the error of the measured value.".to_owned()
         });
         let notes = case.groove_note().into_iter().chain(meaning).chain(self.about_rule());
-        let notes = notes.chain(without).collect();
+        let notes = notes.chain(missing_values).collect();
         let mut answer = Answer { notes, warnings, fails, ..Answer::default() };
         let (measured, limit) = match &self.target {
             Target::Measured { output, value } => (Some(OutputJson(output.name, *value)), None),
             Target::Limit { rule } => (None, Some(*rule)),
         };
-        let kept: Vec<_> = report.kept.iter().map(|(low, high)| [*low, *high]).collect();
+        let ranges_within_limit: Vec<_> =
+            report.ranges_within_limit.iter().map(|(low, high)| [*low, *high]).collect();
         answer = answer.with_members(FitMembers {
             measured: Maybe(measured.map(Data)),
             limit: Maybe(limit.map(Data)),
-            kept: Maybe(limit.map(|_| Data(kept))),
+            kept: Maybe(limit.map(|_| Data(ranges_within_limit))),
             found: Data(values.map(fitted).collect()),
             reachable: Data(report.reachable.map(|(low, high)| [low, high])),
             message: Word("", self.describe(report)),

@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 use crate::case::rated_screw::usual_nut_length_mm;
 use crate::vocabulary::entries::Named;
 use crate::vocabulary::members::{ByName, Data, answer, row};
-use crate::vocabulary::number::{count, digits, trimmed};
+use crate::vocabulary::number::{count, format_digits, format_trimmed};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{
     Answer, Case, Content, Criterion, InputKey, Numbers, Row, Scope, Section, Table, Verdict,
@@ -56,12 +56,12 @@ impl Case {
     /// Returns the number of possible grooves to calculate, which is at most [`WARM_DRAWS`] for a
     /// warm state.
     pub(crate) fn draws(&self, count: usize) -> usize {
-        if self.asks_warm() { count.min(WARM_DRAWS) } else { count }
+        if self.requests_warm_state() { count.min(WARM_DRAWS) } else { count }
     }
 
     /// Calls `f` in parallel with a case for each possible groove and returns the results. The list
     /// is empty if the groove is given.
-    pub(crate) fn over_possible<T: Send>(
+    pub(crate) fn map_possible_grooves<T: Send>(
         &self,
         count: usize,
         f: impl Fn(&Self) -> T + Sync,
@@ -97,18 +97,18 @@ impl Case {
 }
 
 /// Calculates the answer for a case. If the groove is estimated, the answer contains the estimate
-/// and 90 % intervals (see [`Answer::over_grooves`]).
+/// and 90 % intervals (see [`Answer::with_groove_intervals`]).
 ///
 /// # Errors
 ///
 /// Returns the errors of `answer` for the case itself. If `answer` fails for some possible grooves,
 /// a note states their number.
-pub fn over_grooves<E>(
+pub fn with_groove_intervals<E>(
     case: &Case,
     count: usize,
     answer: impl Fn(&Case) -> Result<Answer, E> + Sync,
 ) -> Result<Answer, E> {
-    Ok(answer(case)?.over_grooves(case, count, |possible| answer(possible).ok()))
+    Ok(answer(case)?.with_groove_intervals(case, count, |possible| answer(possible).ok()))
 }
 
 /// Estimate of a groove in JSON.
@@ -157,7 +157,7 @@ impl Answer {
     /// * `count`: number of possible grooves.
     /// * `answer`: function that calculates the answer for a case with a possible groove.
     #[must_use]
-    pub fn over_grooves(
+    pub fn with_groove_intervals(
         mut self,
         case: &Case,
         count: usize,
@@ -450,7 +450,7 @@ fn about_partial(numbers: &[PartialNumber], count: usize) -> Vec<String> {
         let PartialNumber { has_value, grooves, .. } = *group[0];
         let shown = |number: &&PartialNumber| match number.band.filter(|_| !has_value) {
             Some(Band { low, high }) => {
-                format!("{} ({} to {})", number.name, digits(low, 3), digits(high, 3))
+                format!("{} ({} to {})", number.name, format_digits(low, 3), format_digits(high, 3))
             }
             None => number.name.to_owned(),
         };
@@ -589,9 +589,13 @@ fn note(estimate: &GrooveEstimate, narrowing: &[&str]) -> String {
     let EstimatedGroove { ball_diameter, conformity, contact_angle, turns, loaded_balls, .. } =
         estimate.best();
     let conformities = if (conformity.0 - conformity.1).abs() <= 0.0 {
-        format!("conformities {}", trimmed(conformity.0))
+        format!("conformities {}", format_trimmed(conformity.0))
     } else {
-        format!("conformities {} and {}", trimmed(conformity.0), trimmed(conformity.1))
+        format!(
+            "conformities {} and {}",
+            format_trimmed(conformity.0),
+            format_trimmed(conformity.1)
+        )
     };
     let narrow = if narrowing.is_empty() {
         String::new()
@@ -601,9 +605,9 @@ fn note(estimate: &GrooveEstimate, narrowing: &[&str]) -> String {
     format!(
         "The groove is estimated from the load ratings: ball {} mm, {loaded_balls} loaded balls in {} turns, {conformities}, contact \
          angle {} deg. Intervals (low to high) contain 90 % of the possible grooves.{narrow}",
-        trimmed(ball_diameter / MM),
-        trimmed(turns),
-        trimmed(contact_angle / DEG)
+        format_trimmed(ball_diameter / MM),
+        format_trimmed(turns),
+        format_trimmed(contact_angle / DEG)
     )
 }
 
@@ -653,7 +657,7 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
         let Some(Band { low, high }) = Band::of(draws.iter().map(read)) else {
             return String::new();
         };
-        format!("{} to {}", digits(low, 3), digits(high, 3))
+        format!("{} to {}", format_digits(low, 3), format_digits(high, 3))
     };
     let mut rows = Vec::new();
     let mut row = |what, value: String, unit, source, sure: String| {
@@ -663,20 +667,20 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     if is_estimated(InputKey::ball_diameter_mm) {
         let others = estimate.likely_balls().iter().skip(1).map(|ball| {
             let percent = 100.0 * ball.probability;
-            let diameter = trimmed(length.value(ball.ball_diameter / MM));
+            let diameter = format_trimmed(length.value(ball.ball_diameter / MM));
             format!("{diameter} {}: {percent:.0} %", length.text)
         });
         let percent = 100.0 * estimate.balls[0].probability;
         let sure = std::iter::once(format!("{percent:.0} %")).chain(others);
         let sure = sure.collect::<Vec<_>>().join(", ");
-        let diameter = trimmed(length.value(best.ball_diameter / MM));
+        let diameter = format_trimmed(length.value(best.ball_diameter / MM));
         row("ball diameter", diameter, length.text, "estimated", sure);
     }
     let [low, high] = [0.05, 0.95].map(|part| estimate.loaded_balls_quantile(part));
     let sure = format!("{low:.0} to {high:.0}");
     row("loaded balls", best.loaded_balls.to_string(), "", "estimated", sure);
     if is_estimated(InputKey::loaded_turns) {
-        row("loaded turns", trimmed(best.turns), "", "assumed", turns(&estimate.hypotheses));
+        row("loaded turns", format_trimmed(best.turns), "", "assumed", turns(&estimate.hypotheses));
     }
     let others = [
         (InputKey::nut_conformity, "conformity of the nut", best.conformity.0, ""),
@@ -691,7 +695,7 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     ];
     for (key, what, value, unit) in others {
         if is_estimated(key) {
-            row(what, trimmed(value), unit, "assumed", ends(key));
+            row(what, format_trimmed(value), unit, "assumed", ends(key));
         }
     }
     Table::of(&rows)
@@ -710,5 +714,5 @@ fn turns(hypotheses: &[Hypothesis]) -> String {
         });
         place.or(sorted.len().checked_sub(1)).map_or(f64::NAN, |place| sorted[place].0)
     };
-    format!("{} to {}", trimmed(at(0.05)), trimmed(at(0.95)))
+    format!("{} to {}", format_trimmed(at(0.05)), format_trimmed(at(0.95)))
 }

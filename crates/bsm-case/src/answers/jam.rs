@@ -15,11 +15,11 @@ use bsm_dyn::{
     },
 };
 
-use crate::answers::moving::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
+use crate::answers::motion::{MovingBall, MovingContact, lacks_ellipses, motion_answer};
 use crate::answers::record::message;
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::members::number_tables;
-use crate::vocabulary::number::number;
+use crate::vocabulary::number::format_number;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{Answer, Case, CaseError, InputKey, output};
@@ -63,13 +63,13 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
             let (holding, expelling) = (j.wedge.holding(), j.wedge.expelling());
             (expelling > ROUNDING * holding).then(|| holding / expelling)
         }), "holding force / expelling force";
-        critical_friction_coefficient [""] Scalar(|j| if_any(clean(j.wedge.critical_friction()))),
+        critical_friction_coefficient [""] Scalar(|j| finite(clean(j.wedge.critical_friction()))),
             "critical friction coefficient, above which friction holds the ball in this wedge";
         critical_friction_printed [""] Contacts(|j| j.wedge.critical_friction_printed().map(clean)),
             "critical friction coefficient according to Dong et al., Eq 16";
         critical_friction_simplified [""] Scalar(|j| clean(j.wedge.critical_friction_simplified())),
             "critical friction coefficient according to Dong et al., Eq 17, the simplification for a slip angle of 90 deg";
-        critical_friction_corrected [""] Scalar(|j| if_any(clean(j.wedge.critical_friction_corrected()))),
+        critical_friction_corrected [""] Scalar(|j| finite(clean(j.wedge.critical_friction_corrected()))),
             "critical friction coefficient with the corrected formula, without centrifugal force";
         widest_wedge_deg ["deg"] Scalar(|j| j.wedge.widest_opening() / DEG), "widest wedge in which friction can hold a ball";
     }
@@ -101,10 +101,10 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         stopped_friction_coefficient [""] Scalar(|j| j.friction.stopped), "friction coefficient of a stopped ball at the screw";
         stopped_track_friction_N ["N"] Scalar(|j| Some(j.track?.stopped)) needs [loaded_balls_per_turn],
             "friction along the track between the screw and one turn of stationary balls";
-        ball_return_margin [""] Scalar(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin: friction of stationary balls / thrust";
-        published_margin [""] Scalar(|j| Some(j.track?.screw / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
+        ball_return_margin [""] Scalar(|j| Some(j.track?.stopped / j.positive_thrust()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin: friction of stationary balls / thrust";
+        published_margin [""] Scalar(|j| Some(j.track?.screw / j.positive_thrust()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
             "friction / thrust in steady motion, at the screw (as published)";
-        weaker_contact_margin [""] Scalar(|j| Some(j.track?.weaker / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
+        weaker_contact_margin [""] Scalar(|j| Some(j.track?.weaker / j.positive_thrust()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
             "friction / thrust in steady motion, at the contact with less friction";
         jams [""] Statement(|j| {
             let track = j.track?;
@@ -127,7 +127,7 @@ fn clean(critical: f64) -> f64 {
 
 /// Returns a critical friction coefficient, or `None` if the coefficient is infinite. Without slip
 /// across the grooves, the coefficient is infinite, because no friction can hold the ball.
-fn if_any(critical: f64) -> Option<f64> {
+fn finite(critical: f64) -> Option<f64> {
     Some(critical).filter(|x| *x < f64::INFINITY)
 }
 
@@ -213,7 +213,7 @@ pub fn jam(case: &Case, solution: &Solution) -> Result<Answer, CaseError> {
         (output!(jams), jam.return_text(case)),
     ];
     let verdicts = words.into_iter().filter_map(|(name, words)| Some((name, words?))).collect();
-    let mut answer = of_a_motion::<JamNumbers>(case, solution, numbers, verdicts, lacks);
+    let mut answer = motion_answer::<JamNumbers>(case, solution, numbers, verdicts, lacks);
     answer.notes.extend(case.given().is_lubricated().then(|| jam.friction.words()));
     Ok(answer)
 }
@@ -222,7 +222,7 @@ impl Jam {
     fn of(case: &Case, solution: &Solution) -> Result<Self, CaseError> {
         let solved = MovingBall::of(case, solution)?;
         if case.running_angles().is_some() {
-            return Err(bad(
+            return Err(invalid_input(
                 InputKey::nut_running_contact_angle_deg.name(),
                 "is an input of the analysis `bsm solve --show slip`; jamming needs contact angles in equilibrium with the load",
             ));
@@ -286,7 +286,7 @@ impl Jam {
 
     /// Returns the largest thrust in the ball return that the balls must overcome, or `None` if
     /// there is no thrust or a step blocks the balls.
-    fn pushed(&self) -> Option<f64> {
+    fn positive_thrust(&self) -> Option<f64> {
         self.ball_return.thrust().filter(|thrust| *thrust > 0.0 && !self.ball_return.is_blocked())
     }
 
@@ -348,7 +348,7 @@ impl Friction {
     /// Returns a note that states the friction coefficients of a lubricated ball.
     fn words(&self) -> String {
         let Self { moving: [nut, screw], stopped, rest } = *self;
-        let [nut, screw, stopped, rest] = [nut, screw, stopped, rest].map(number);
+        let [nut, screw, stopped, rest] = [nut, screw, stopped, rest].map(format_number);
         format!(
             "Friction coefficients: during motion, {nut} at the nut and {screw} at the screw; for a stopped ball at the screw, with the lubricant film of the motion, {stopped}; at rest, between balls and in the ball return, {rest}."
         )

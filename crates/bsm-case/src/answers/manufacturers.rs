@@ -13,13 +13,13 @@ use crate::case::rated_nut;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::column_values::ColumnValues;
 use crate::vocabulary::entries::Named;
-use crate::vocabulary::number::{digits, short, trimmed};
+use crate::vocabulary::number::{format_digits, format_short, format_trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{
     Answer, AxisReport, Case, CaseEntries, CaseError, Column, Content, INPUTS, InputKey, Output,
-    OutputName, RequirementFile, Table, TableFormat, Verdict, output, over_grooves, ratings,
-    sheet_columns,
+    OutputName, RequirementFile, Table, TableFormat, Verdict, output, ratings, sheet_columns,
+    with_groove_intervals,
 };
 
 /// Names of known columns that do not contain an input.
@@ -96,7 +96,7 @@ impl ManufacturerNut {
             }
             if let Some(stiffness) = stiffness {
                 nut.case.rated_rigidity_N_um.get_or_insert(stiffness);
-                let at = Named(StiffnessAt::Load(STIFFNESS_AT));
+                let at = Named(StiffnessAt::Load(STIFFNESS_LOAD_RATIO));
                 nut.case.entries.rated_rigidity_at.get_or_insert(at);
             }
             complete(&mut nut.case, circuits, core)?;
@@ -159,40 +159,40 @@ fn is_kept_column(
 
 /// Ratio of axial load to dynamic load rating for which manufacturers state the stiffness of a
 /// single nut.
-const STIFFNESS_AT: f64 = 0.3;
+const STIFFNESS_LOAD_RATIO: f64 = 0.3;
 
 quantities! {
     /// Ratings, stiffness and mass stated by the manufacturer, and the values calculated for the
     /// same nut.
-    pub(crate) BESIDE, beside(&Beside<'_>);
+    pub(crate) COMPARED, read_compared(&ComparedNut<'_>);
     "ratings" {
         dynamic_load_rating_N = RATINGS Scalar(|b| b.nut.case.rated_dynamic_load_N);
         our_dynamic_load_rating_N ["N"] Scalar(|b| b.rating(output!(dynamic_load_rating_N))), "calculated dynamic load rating";
         static_load_rating_N = RATINGS Scalar(|b| b.nut.case.rated_static_load_N);
         our_static_load_rating_N ["N"] Scalar(|b| b.rating(output!(static_load_rating_N))), "calculated static load rating";
         stiffness_N_um ["N/um"] Scalar(|b| b.nut.stiffness()), "stiffness of one nut as stated by the manufacturer";
-        our_stiffness_N_um ["N/um"] Scalar(|b| b.ours.number(OUR_STIFFNESS)), "calculated stiffness of one nut";
-        nut_mass_kg = INPUTS Scalar(|b| b.nut.case.nut_mass_kg.or_else(|| b.ours.number(output!(nut_mass_kg))));
+        our_stiffness_N_um ["N/um"] Scalar(|b| b.calculated.number(CALCULATED_STIFFNESS)), "calculated stiffness of one nut";
+        nut_mass_kg = INPUTS Scalar(|b| b.nut.case.nut_mass_kg.or_else(|| b.calculated.number(output!(nut_mass_kg))));
     }
 }
 
 /// A manufacturer's nut together with its calculated ratings.
-struct Beside<'a> {
+struct ComparedNut<'a> {
     nut: &'a ManufacturerNut,
-    ours: Answer,
+    calculated: Answer,
     is_estimated: bool,
 }
 
-impl Beside<'_> {
+impl ComparedNut<'_> {
     /// Returns a calculated rating, or `None` if the groove was estimated from the manufacturer's
     /// ratings.
     fn rating(&self, name: OutputName) -> Option<f64> {
-        self.ours.number(name).filter(|_| !self.is_estimated)
+        self.calculated.number(name).filter(|_| !self.is_estimated)
     }
 }
 
 /// Output that is compared with the stiffness of one nut stated by the manufacturer.
-const OUR_STIFFNESS: OutputName = output!(single_nut_secant_stiffness_N_um);
+const CALCULATED_STIFFNESS: OutputName = output!(single_nut_secant_stiffness_N_um);
 
 /// Adds an estimated groove to a case. If no groove can be estimated, returns the unchanged case
 /// and the reason.
@@ -213,7 +213,7 @@ fn estimated_ball(case: &Case) -> Option<String> {
     } else {
         "estimated for the given ball of"
     };
-    Some(format!("{what} {} mm", trimmed(case.ball_diameter_mm?)))
+    Some(format!("{what} {} mm", format_trimmed(case.ball_diameter_mm?)))
 }
 
 /// Columns of stated values, each with the column of the corresponding calculated value.
@@ -324,14 +324,17 @@ impl ManufacturerRow {
 
     fn of(nut: &ManufacturerNut, requirement: Option<&RequirementFile>) -> Result<Self, CaseError> {
         let mut at = nut.case.clone();
-        at.axial_load_N = at.rated_dynamic_load_N.map(|rating| STIFFNESS_AT * rating);
+        at.axial_load_N = at.rated_dynamic_load_N.map(|rating| STIFFNESS_LOAD_RATIO * rating);
         let (at, refused) = groove_or_reason(at)?;
         let is_estimated = at.has_estimated_groove();
-        let compared = over_grooves(&at, FEW_DRAWS, |case| -> Result<Answer, CaseError> {
-            let ours = if case.lacks_groove() { Answer::default() } else { ratings(case)? };
-            let numbers = beside(&Beside { nut, ours, is_estimated }, |_| true);
-            Ok(Answer::default().with("ratings", Content::numbers(numbers, "nut")))
-        })?;
+        let compared =
+            with_groove_intervals(&at, FEW_DRAWS, |case| -> Result<Answer, CaseError> {
+                let calculated =
+                    if case.lacks_groove() { Answer::default() } else { ratings(case)? };
+                let numbers =
+                    read_compared(&ComparedNut { nut, calculated, is_estimated }, |_| true);
+                Ok(Answer::default().with("ratings", Content::numbers(numbers, "nut")))
+            })?;
         let calculated = (!at.lacks_groove() && !is_estimated).then(|| rated_nut::nut(&at));
         // If the given and calculated ratings differ by more than a factor of 2, the given ratings
         // belong to another nut.
@@ -346,7 +349,7 @@ impl ManufacturerRow {
         let mut row = Self {
             name: nut.name.clone(),
             case: nut.case.clone(),
-            numbers: numbers_of(&compared, BESIDE.iter().flat_map(|of| of.columns)).collect(),
+            numbers: numbers_of(&compared, COMPARED.iter().flat_map(|of| of.columns)).collect(),
             verdict: None,
             failed_rules: Vec::new(),
             warnings: Vec::new(),
@@ -364,11 +367,12 @@ impl ManufacturerRow {
             return Ok(row);
         }
         let (case, _) = groove_or_reason(row.case.clone())?;
-        let mut sheet = requirement.judge(&case)?;
+        let mut sheet = requirement.axis_sheet(&case)?;
         row.warnings.clone_from(&sheet.answer.warnings);
         let own_notes = sheet.answer.notes.len();
         let settings = sheet.settings;
-        sheet = sheet.over_grooves(|possible| AxisReport::numbers_only(possible, &settings).ok());
+        sheet = sheet
+            .with_groove_intervals(|possible| AxisReport::numbers_only(possible, &settings).ok());
         row.verdict = Some(requirement.verdict(&sheet));
         row.failed_rules = requirement.failed_rules(&sheet);
         let sheet = sheet.answer;
@@ -418,8 +422,8 @@ impl ManufacturerRow {
     /// not publish the conformity, and a different conformity shifts the ratios of the whole table.
     fn compare(rows: &mut [Self]) {
         let ratio = |row: &Self| {
-            let [stated, ours] = RATED[0].map(|name| row.value(name));
-            Some(ours? / stated?)
+            let [stated, calculated] = RATED[0].map(|name| row.value(name));
+            Some(calculated? / stated?)
         };
         let mut ratios: Vec<_> = rows.iter().filter_map(ratio).collect();
         ratios.sort_by(f64::total_cmp);
@@ -432,8 +436,8 @@ impl ManufacturerRow {
             let of_ball = size.map(|(ball, lead)| {
                 format!(
                     "ball_diameter_mm {} is more than {MAX_BALL_OVER_LEAD} times lead_mm {}, so adjacent turns touch",
-                    trimmed(ball),
-                    trimmed(lead)
+                    format_trimmed(ball),
+                    format_trimmed(lead)
                 )
             });
             let far = ratio(row)
@@ -442,8 +446,8 @@ impl ManufacturerRow {
             let of_rating = far.map(|(ratio, median)| {
                 format!(
                     "the ratio of calculated to stated dynamic load rating is {}, but the median of the table is {}; check ball diameter, turns and rating in this row",
-                    digits(ratio, 3),
-                    digits(*median, 3)
+                    format_digits(ratio, 3),
+                    format_digits(*median, 3)
                 )
             });
             row.contradiction = of_ball.or(of_rating);
@@ -454,7 +458,7 @@ impl ManufacturerRow {
     /// Rows that fail a requirement are excluded.
     ///
     /// * `places`: indices of the rows to compare.
-    pub(crate) fn front(rows: &[Self], places: &[u32]) -> Vec<u32> {
+    pub(crate) fn pareto_front(rows: &[Self], places: &[u32]) -> Vec<u32> {
         let places: Vec<_> = places
             .iter()
             .copied()
@@ -599,7 +603,7 @@ impl ManufacturerRow {
             let ratios = rows.iter().filter_map(|row| Some(row.value(our)? / row.value(name)?));
             let (low, high) =
                 ratios.fold((f64::INFINITY, 0.0_f64), |(l, h), r| (l.min(r), h.max(r)));
-            (high > 0.0).then(|| format!("{name} {} to {}", short(low), short(high)))
+            (high > 0.0).then(|| format!("{name} {} to {}", format_short(low), format_short(high)))
         };
         let ratios: Vec<_> = RATED.into_iter().filter_map(ratio).collect();
         let judged = |verdict| rows.iter().filter(|row| row.verdict == Some(verdict)).count();

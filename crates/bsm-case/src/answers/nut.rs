@@ -31,8 +31,8 @@ use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{
-    Answer, Case, InputSet, ModelChoice, NotGiven, Numbers, NutProblem, Output, OutputName,
-    Quantity, Settings, output, trimmed,
+    Answer, Case, InputSet, MissingInput, ModelChoice, Numbers, NutProblem, Output, OutputName,
+    Quantity, Settings, format_trimmed, output,
 };
 
 mod train;
@@ -42,7 +42,7 @@ use train::{TrainResult, not_pushed};
 
 /// Typical ratio of catalog stiffness to calculated stiffness, which allows for manufacturing
 /// errors (HIWIN BS-08-2).
-const USUAL: f64 = 0.8;
+const CATALOG_STIFFNESS_RATIO: f64 = 0.8;
 
 /// Smallest and largest value of the drag coefficient `$K_p$` in catalogs, based on measurements
 /// (HIWIN BS-08-2, eq. 3.2).
@@ -60,7 +60,7 @@ const POINTS: u32 = 60;
 #[derive(Debug)]
 pub struct NutReport {
     problem: NutProblem,
-    made: NutAtRest,
+    at_rest: NutAtRest,
     ball_friction: OnceCell<Option<BallFriction>>,
     reverse_torque: OnceCell<Option<f64>>,
     /// Friction of the nut without external load, for both directions of travel.
@@ -114,10 +114,10 @@ struct BallFriction {
 }
 
 impl NutReport {
-    pub(crate) fn new(problem: NutProblem, made: NutAtRest) -> Self {
+    pub(crate) fn new(problem: NutProblem, at_rest: NutAtRest) -> Self {
         Self {
             problem,
-            made,
+            at_rest,
             ball_friction: OnceCell::new(),
             reverse_torque: OnceCell::new(),
             unloaded_friction: Default::default(),
@@ -129,7 +129,7 @@ impl NutReport {
 
     fn ball_friction(&self) -> Option<&BallFriction> {
         let work_out = || {
-            let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
+            let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.at_rest);
             let mut ball_friction =
                 problem.with_free_balls().friction_of(nut, found, Travel::Given)?;
             ball_friction.pushed = self.pushed_of(&ball_friction.friction.motions);
@@ -168,7 +168,7 @@ impl NutReport {
     /// Returns `None` if push forces between the balls are calculated.
     fn reverse_torque(&self) -> Option<f64> {
         let work_out = || {
-            let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
+            let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.at_rest);
             let is_free = problem.gaps.train.is_none();
             is_free.then(|| problem.friction_of(nut, found, Travel::Reverse)?.friction.torque)?
         };
@@ -178,9 +178,9 @@ impl NutReport {
     /// Returns the friction of the preloaded nut without external load.
     fn unloaded_friction(&self, direction: Travel) -> Option<&NutFriction> {
         let work_out = || {
-            self.made.preload.as_ref()?;
-            let found = self.made.nut.solve(&Support::guided(0.0)).ok()?;
-            Some(self.problem.friction_of(&self.made.nut, &found, direction)?.friction)
+            self.at_rest.preload.as_ref()?;
+            let found = self.at_rest.nut.solve(&Support::guided(0.0)).ok()?;
+            Some(self.problem.friction_of(&self.at_rest.nut, &found, direction)?.friction)
         };
         self.unloaded_friction[direction as usize].get_or_init(work_out).as_ref()
     }
@@ -201,14 +201,14 @@ impl NutReport {
 
     /// Returns the friction torque of the preload according to the manufacturers' rule \[N·m\].
     fn drag_by_rule(&self) -> Option<f64> {
-        let (design, preload) = (&self.problem.design, self.made.preload.as_ref()?);
-        lasting(drag_torque(preload.warm, design.lead, design.lead_angle()))
+        let (design, preload) = (&self.problem.design, self.at_rest.preload.as_ref()?);
+        positive_finite(drag_torque(preload.warm, design.lead, design.lead_angle()))
     }
 
     /// Returns the drag coefficient of the running nut pair for a play of zero, or `None` if the
     /// play is given.
     fn factor_without_play(&self) -> Option<f64> {
-        let is_given = self.made.nut.errors.axial_play.is_some();
+        let is_given = self.at_rest.nut.errors.axial_play.is_some();
         let pair = self.pair_drag(Some(0.0), Travel::Given).filter(|_| !is_given)?;
         Some(pair.torque / self.rule_torque()?)
     }
@@ -216,7 +216,7 @@ impl NutReport {
     /// Returns the torque and the preload of the nut pair while the screw turns, or `None` if the
     /// model does not integrate friction over the contacts.
     fn running_pair(&self, direction: Travel) -> Option<PairDrag> {
-        let play = self.made.nut.errors.axial_play;
+        let play = self.at_rest.nut.errors.axial_play;
         let work_out = || self.pair_drag(play, direction);
         *self.running_pair[direction as usize].get_or_init(work_out)
     }
@@ -227,7 +227,7 @@ impl NutReport {
     /// * `play`: play of each nut \[m\]. With `None`, the play is so large that no ball touches a
     ///   far flank.
     fn pair_drag(&self, play: Option<f64>, direction: Travel) -> Option<PairDrag> {
-        let NutAtRest { nut, preload, .. } = &self.made;
+        let NutAtRest { nut, preload, .. } = &self.at_rest;
         let NutPreload { by: PreloadKind::Offset, warm, .. } = (*preload)? else { return None };
         let integrates = matches!(
             self.problem.settings.model,
@@ -245,7 +245,7 @@ impl NutReport {
 
     fn third_contacts(&self) -> Option<&ThirdContacts> {
         let looks =
-            self.made.nut.errors.axial_play.is_some() || self.made.nut.errors.oversize > 0.0;
+            self.at_rest.nut.errors.axial_play.is_some() || self.at_rest.nut.errors.oversize > 0.0;
         looks.then(|| self.friction().map(|friction| &friction.third_contacts))?
     }
 
@@ -253,7 +253,7 @@ impl NutReport {
     /// the balls are neglected.
     fn third_contact_share(&self) -> Option<f64> {
         let torque = self.third_contacts()?.torque;
-        Some(torque / lasting(self.friction()?.parts?.torque)?)
+        Some(torque / positive_finite(self.friction()?.parts?.torque)?)
     }
 
     /// Returns the friction torque of the third contacts \[N·m\].
@@ -303,54 +303,54 @@ const TRAIN: &[InputSet] = quantities!(@needs [ball_gap_mm, screw_speed_rpm, fri
 
 quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
     "displacement" {
-        nut_displacement_um ["um"] Scalar(|n| Some(n.made.found.displacement[0] / UM)), "axial displacement of the nut";
+        nut_displacement_um ["um"] Scalar(|n| Some(n.at_rest.found.displacement[0] / UM)), "axial displacement of the nut";
         nut_side_displacement_um ["um"] Scalar(|n| {
-        let [_, x, y, ..] = n.made.found.displacement;
+        let [_, x, y, ..] = n.at_rest.found.displacement;
         Some(x.hypot(y) / UM)
     }), "side displacement of the nut";
         nut_tilt_urad ["urad"] Scalar(|n| {
-        let [.., x, y] = n.made.found.displacement;
+        let [.., x, y] = n.at_rest.found.displacement;
         Some(x.hypot(y) * 1e6)
     }), "tilt of the nut";
     }
     "load sharing" {
-        max_contact_load_N ["N"] Scalar(|n| Some(n.made.found.max_load())), "largest contact load";
-        max_over_mean [""] Scalar(|n| Some(n.made.found.concentration())), "load concentration: largest contact load / mean contact load";
-        unloaded_balls [""] Scalar(|n| Some(count(n.made.found.unloaded()))), "unloaded balls";
+        max_contact_load_N ["N"] Scalar(|n| Some(n.at_rest.found.max_load())), "largest contact load";
+        max_over_mean [""] Scalar(|n| Some(n.at_rest.found.concentration())), "load concentration: largest contact load / mean contact load";
+        unloaded_balls [""] Scalar(|n| Some(count(n.at_rest.found.unloaded()))), "unloaded balls";
         max_pressure_MPa ["MPa"] Scalar(|n| Some(n.max_pressure()? / MPA)), "largest Hertz pressure";
-        equal_load_N ["N"] Scalar(|n| Some(n.equal()?.load)), "load of each ball if all balls shared the axial load equally";
+        equal_load_N ["N"] Scalar(|n| Some(n.equal_share()?.load)), "load of each ball if all balls shared the axial load equally";
         load_bound_N ["N"] Scalar(|n| n.load_bound()), "upper bound of the largest contact load (guided nut)";
     }
     "stiffness along the axis" {
-        nut_stiffness_N_um ["N/um"] Scalar(|n| Some(n.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent stiffness of the nut at this load, all balls";
+        nut_stiffness_N_um ["N/um"] Scalar(|n| Some(n.at_rest.found.axial_stiffness(&n.problem.support) * UM)), "tangent stiffness of the nut at this load, all balls";
         nut_secant_stiffness_N_um ["N/um"] Scalar(|n| n.secant().map(|k| k * UM)), "secant stiffness of the nut from no load to this load, all balls";
-        nut_equal_stiffness_N_um ["N/um"] Scalar(|n| Some(n.equal()?.stiffness * UM)), "tangent stiffness if all balls shared the axial load equally and the bodies were rigid";
-        preload_stiffness_2_N_um ["N/um"] Scalar(|n| n.stated(2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts in parallel";
-        preload_stiffness_2_83_N_um ["N/um"] Scalar(|n| n.stated(2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
-        preload_stiffness_3_N_um ["N/um"] Scalar(|n| n.stated(3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
+        nut_equal_stiffness_N_um ["N/um"] Scalar(|n| Some(n.equal_share()?.stiffness * UM)), "tangent stiffness if all balls shared the axial load equally and the bodies were rigid";
+        preload_stiffness_2_N_um ["N/um"] Scalar(|n| n.preload_stiffness(2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts in parallel";
+        preload_stiffness_2_83_N_um ["N/um"] Scalar(|n| n.preload_stiffness(2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
+        preload_stiffness_3_N_um ["N/um"] Scalar(|n| n.preload_stiffness(3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
         iso_stiffness_N_um ["N/um" "R_nu"] Scalar(|n| Some(n.iso_stiffness()? * UM)), "stiffness according to ISO 3408-4: stiffness of a pair at its preload, or secant stiffness of one nut at its load";
-        catalog_stiffness_N_um ["N/um"] Scalar(|n| Some(USUAL * n.iso_stiffness()? * UM)), "catalog stiffness, 80 % of ISO 3408-4";
+        catalog_stiffness_N_um ["N/um"] Scalar(|n| Some(CATALOG_STIFFNESS_RATIO * n.iso_stiffness()? * UM)), "catalog stiffness, 80 % of ISO 3408-4";
     }
     "preload" {
-        cold_preload_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, without external load or temperature rises";
-        warm_preload_N ["N" "F_pr"] Scalar(|n| Some(n.made.preload.as_ref()?.warm)), "warm preload, without external load and with the temperature rises";
-        preload_approach_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p, all balls";
-        preload_setting_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
+        cold_preload_N ["N"] Scalar(|n| Some(n.at_rest.preload.as_ref()?.cold)), "cold preload, without external load or temperature rises";
+        warm_preload_N ["N" "F_pr"] Scalar(|n| Some(n.at_rest.preload.as_ref()?.warm)), "warm preload, without external load and with the temperature rises";
+        preload_approach_um ["um"] Scalar(|n| Some(n.at_rest.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p, all balls";
+        preload_setting_um ["um"] Scalar(|n| Some(n.at_rest.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
         preload_left_N ["N"] Scalar(|n| {
-        let NutPreload { by, .. } = n.made.preload.as_ref()?;
-        Some(n.made.found.preload(&n.made.nut, *by))
+        let NutPreload { by, .. } = n.at_rest.preload.as_ref()?;
+        Some(n.at_rest.found.preload(&n.at_rest.nut, *by))
     }), "remaining preload at this load";
         limit_load_N ["N" "F_lim"] Scalar(|n| n.limit_load()), "limit load, at which one side of the nut is fully unloaded and the preload is lost";
     }
     "life and safety" {
-        life_by_balls_revolutions [""] Scalar(|n| lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))), "life from the loads of all balls, revolutions";
+        life_by_balls_revolutions [""] Scalar(|n| positive_finite(n.at_rest.found.life(&n.at_rest.nut, &n.problem.ratings))), "life from the loads of all balls, revolutions";
         iso_life_revolutions [""] Scalar(|n| n.iso_life()), "life according to ISO 3408-5, revolutions";
         life_ratio [""] Scalar(|n| {
-        let ours = lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))?;
+        let ours = positive_finite(n.at_rest.found.life(&n.at_rest.nut, &n.problem.ratings))?;
         Some(ours / n.iso_life()?)
     }), "life from the loads of all balls / life according to ISO 3408-5";
         static_safety_by_balls [""] Scalar(|n| {
-        lasting(n.made.found.static_safety(&n.made.nut, n.problem.static_rating.rating))
+        positive_finite(n.at_rest.found.static_safety(&n.at_rest.nut, n.problem.static_rating.rating))
     }), "static safety of the most loaded ball";
     }
     "friction" {
@@ -362,16 +362,16 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         drag_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "  drag of the balls in the lubricant";
         third_contact_balls [""] Scalar(|n| n.third_contacts().map(|third| count(third.count))) needs FRICTION,
             "number of balls with a third contact, because friction presses them against a far flank (with axial_play_um or oversize balls)";
-        largest_third_contact_load_N ["N"] Scalar(|n| lasting(n.third_contacts()?.largest_load)) needs FRICTION,
+        largest_third_contact_load_N ["N"] Scalar(|n| positive_finite(n.third_contacts()?.largest_load)) needs FRICTION,
             "largest normal load on any third contact";
-        third_contact_torque_Nm ["N m"] Scalar(|n| lasting(n.third_contact_torque()?)) needs FRICTION,
+        third_contact_torque_Nm ["N m"] Scalar(|n| positive_finite(n.third_contact_torque()?)) needs FRICTION,
             "  of which third contacts";
         third_contact_torque_share [""] Scalar(NutReport::third_contact_share) needs FRICTION,
             "share of the friction torque of the balls that third contacts cause";
         friction_torque_reverse_Nm ["N m"] Scalar(NutReport::reverse_torque) needs FRICTION,
             "friction torque of the balls in the opposite direction of travel, at the same axial load";
         return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, from return_circuits and return_loss_coefficient";
-        nut_seal_torque_Nm ["N m"] Scalar(|n| lasting(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
+        nut_seal_torque_Nm ["N m"] Scalar(|n| positive_finite(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
         drive_torque_Nm ["N m"] Scalar(|n| n.friction()?.drive_torque) needs FRICTION, "torque of the nut, from axial load, balls, returns and seals";
         nut_efficiency [""] Scalar(|n| n.friction()?.efficiency) needs FRICTION, "efficiency, including returns and seals";
         friction_heat_W ["W"] Scalar(|n| n.friction()?.heat) needs FRICTION, "friction heat of balls, returns and seals";
@@ -597,7 +597,7 @@ pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance
 
 /// Returns the value of a life, a safety factor or a rating, or `None` if the value is not positive
 /// and finite.
-fn lasting(value: f64) -> Option<f64> {
+fn positive_finite(value: f64) -> Option<f64> {
     (value > 0.0 && value.is_finite()).then_some(value)
 }
 
@@ -611,29 +611,29 @@ fn pressure([at_nut, at_screw]: &[Hertz; 2], ball: &BallInGrooves) -> f64 {
 
 impl NutReport {
     fn max_pressure(&self) -> Option<f64> {
-        let hertz = self.made.nut.hertz().ok()?;
+        let hertz = self.at_rest.nut.hertz().ok()?;
         Some(self.found().balls.iter().map(|ball| pressure(&hertz, ball)).fold(0.0, f64::max))
     }
 
     /// Returns the results for a ball that carries an equal share of the load. Returns `None` for a
     /// preloaded nut, because its two bodies carry different loads.
-    fn equal(&self) -> Option<EqualShare> {
+    fn equal_share(&self) -> Option<EqualShare> {
         let axial = self.problem.axial();
-        let single = self.made.preload.is_none() && axial != 0.0;
-        single.then(|| self.made.nut.equal(axial).ok())?
+        let single = self.at_rest.preload.is_none() && axial != 0.0;
+        single.then(|| self.at_rest.nut.equal(axial).ok())?
     }
 
     /// Returns the torque that is needed without friction to move a force equal to the preload
     /// along the lead, `$F_p P_h/2\pi$` \[N·m\].
     fn rule_torque(&self) -> Option<f64> {
-        let force = self.made.preload.as_ref()?.warm;
-        lasting(force * self.made.nut.helix.lead() / TAU)
+        let force = self.at_rest.preload.as_ref()?.warm;
+        positive_finite(force * self.at_rest.nut.helix.lead() / TAU)
     }
 
     /// Returns an upper bound of the largest contact load. The bound holds only for a guided nut in
     /// which every circuit can carry the load, and no ball is loaded on the opposite flank.
     fn load_bound(&self) -> Option<f64> {
-        let NutAtRest { nut, preload, found } = &self.made;
+        let NutAtRest { nut, preload, found } = &self.at_rest;
         let axial = self.problem.axial();
         let guided = self.problem.support == Support::guided(axial);
         let one_side = preload.is_none() && nut.ring.is_none() && nut.precession == 0.0;
@@ -655,17 +655,17 @@ impl NutReport {
         // The reference is the displacement without axial load if preload, misalignment or side
         // loads press the balls against the grooves. Otherwise, the reference is the position at
         // which the first ball touches the grooves.
-        let without = self.made.nut.solve(&self.problem.support.with_axial(0.0)).ok();
+        let without = self.at_rest.nut.solve(&self.problem.support.with_axial(0.0)).ok();
         let pressed = without.filter(|found| found.max_load() > 0.0);
         let from = pressed.map_or(0.0, |found| found.displacement[0]);
         (axial != 0.0).then(|| axial / (self.found().displacement[0] - from))
     }
 
     /// Returns the stiffness of a preloaded nut as manufacturers state it \[N/um\]: the ratio of
-    /// the preload to the displacement due to the preload, multiplied by `times`.
-    fn stated(&self, times: f64) -> Option<f64> {
-        let NutPreload { cold, approach, .. } = self.made.preload.as_ref()?;
-        Some(times * cold / approach * UM)
+    /// the preload to the displacement due to the preload, multiplied by `factor`.
+    fn preload_stiffness(&self, factor: f64) -> Option<f64> {
+        let NutPreload { cold, approach, .. } = self.at_rest.preload.as_ref()?;
+        Some(factor * cold / approach * UM)
     }
 
     /// Returns the stiffness according to ISO 3408-4 \[N/m\], for a pair at its preload or a single
@@ -673,11 +673,12 @@ impl NutReport {
     fn iso_stiffness(&self) -> Option<f64> {
         let NutProblem { design, body, .. } = &self.problem;
         let elasticity = design.elasticity(body).ok()?;
-        lasting(match &self.made.preload {
-            Some(set) => elasticity.preloaded_pair(lasting(set.cold)?),
-            None => {
-                in_series(elasticity.secant(lasting(self.problem.axial().abs())?), elasticity.body)
-            }
+        positive_finite(match &self.at_rest.preload {
+            Some(set) => elasticity.preloaded_pair(positive_finite(set.cold)?),
+            None => in_series(
+                elasticity.secant(positive_finite(self.problem.axial().abs())?),
+                elasticity.body,
+            ),
         })
     }
 
@@ -686,9 +687,9 @@ impl NutReport {
         let work_out = || {
             let NutProblem { support, .. } = &self.problem;
             let way = if self.problem.axial() < 0.0 { -1.0 } else { 1.0 };
-            self.made
+            self.at_rest
                 .nut
-                .limit_load(self.made.preload.as_ref()?.by, support, way)
+                .limit_load(self.at_rest.preload.as_ref()?.by, support, way)
                 .ok()
                 .map(f64::abs)
         };
@@ -696,14 +697,14 @@ impl NutReport {
     }
 
     fn iso_life(&self) -> Option<f64> {
-        let preload = self.made.preload.as_ref().map(|set| set.warm);
+        let preload = self.at_rest.preload.as_ref().map(|set| set.warm);
         // The life in revolutions does not depend on speed and time.
         let duty = Duty { load: self.problem.axial(), speed: 1.0, time: 1.0 };
-        lasting(life(self.problem.rating.rating, preload, &[duty])?.revolutions)
+        positive_finite(life(self.problem.rating.rating, preload, &[duty])?.revolutions)
     }
 
     /// Returns the values of the results with the given names.
-    pub(crate) fn some(&self, names: &[OutputName]) -> Vec<Option<f64>> {
+    pub(crate) fn values_of(&self, names: &[OutputName]) -> Vec<Option<f64>> {
         let is_wanted = |quantity: &Quantity| names.iter().any(|name| name.name() == quantity.name);
         let found = read(self, is_wanted).where_finite();
         names.iter().map(|name| found.number(*name)).collect()
@@ -733,12 +734,12 @@ impl NutProblem {
         let (mut models, mut onset, mut why) = (Vec::new(), None, None);
         let (coefficients, balls) = (self.flank_friction(source), loaded_balls(found));
         let friction = nut.friction(found, coefficients, drive, self.seal_torque, |screw| {
-            let solution = self.of_ball(source, balls, screw).solve(&mut work);
+            let solution = self.ball_problem(source, balls, screw).solve(&mut work);
             models.push(solution.model.name());
             if solution.model == Model::RacewayControl {
                 let skid = solution.solved().and_then(|solved| solved.skid);
-                let of_ball = skid.and_then(|skid| skid.onset_number());
-                onset = onset.into_iter().chain(of_ball).reduce(f64::max);
+                let ball_onset = skid.and_then(|skid| skid.onset_number());
+                onset = onset.into_iter().chain(ball_onset).reduce(f64::max);
             }
             if let Some(reason) = solution.reason() {
                 why = Some(message(reason));
@@ -769,17 +770,17 @@ impl NutProblem {
 
     /// Returns the problem of one ball. The problem includes the ball's share of the losses in the
     /// ball returns.
-    fn of_ball(&self, source: &FrictionSource, balls: f64, screw: ElasticPoint) -> Problem {
-        self.of_ball_by(source, balls, screw, None)
+    fn ball_problem(&self, source: &FrictionSource, balls: f64, screw: ElasticPoint) -> Problem {
+        self.ball_problem_with_model(source, balls, screw, None)
     }
 
-    /// Returns the problem of one ball. If `held` is given, it prescribes the model.
-    fn of_ball_by(
+    /// Returns the problem of one ball. If `prescribed` is given, it prescribes the model.
+    fn ball_problem_with_model(
         &self,
         source: &FrictionSource,
         balls: f64,
         screw: ElasticPoint,
-        held: Option<BallModel>,
+        prescribed: Option<BallModel>,
     ) -> Problem {
         let lubricant = match source {
             FrictionSource::Coefficient(_) => None,
@@ -790,7 +791,7 @@ impl NutProblem {
             }
         };
         let settings =
-            held.map_or(self.settings, |BallModel { model, control, accuracy }| Settings {
+            prescribed.map_or(self.settings, |BallModel { model, control, accuracy }| Settings {
                 model: model.into(),
                 control,
                 accuracy: accuracy.unwrap_or(self.settings.accuracy),
@@ -816,8 +817,8 @@ impl NutProblem {
     /// Returns [`NutError`] if no ball can carry the load, or if no displacement produces the
     /// preload.
     pub fn solve(self) -> Result<NutReport, NutError> {
-        let made = self.made()?;
-        Ok(NutReport::new(self, made))
+        let at_rest = self.solve_at_rest()?;
+        Ok(NutReport::new(self, at_rest))
     }
 }
 
@@ -836,7 +837,7 @@ impl HeldFriction for NutProblem {
         let (source, mut work) = (self.source_at(oil)?, ModelWorkspace::default());
         let balls = loaded_balls(found);
         let solve = |screw: ElasticPoint, held: Option<BallModel>| {
-            self.of_ball_by(&source, balls, screw, held).solve(&mut work)
+            self.ball_problem_with_model(&source, balls, screw, held).solve(&mut work)
         };
         nut.friction_sum(found, self.flank_friction(&source), drive, between_loads, held, solve)
     }
@@ -853,7 +854,7 @@ impl HeldFriction for NutProblem {
             return Some(Vec::new());
         }
         let balls = loaded_balls(found);
-        let solve = |screw: ElasticPoint| self.of_ball(&source, balls, screw).solve(&mut work);
+        let solve = |screw: ElasticPoint| self.ball_problem(&source, balls, screw).solve(&mut work);
         nut.ball_models(found, self.flank_friction(&source), drive, solve)
     }
 }
@@ -877,7 +878,7 @@ impl Columns {
 
 impl NutReport {
     fn found(&self) -> &Equilibrium {
-        &self.made.found
+        &self.at_rest.found
     }
 
     /// Returns the requested results that exist for this nut.
@@ -886,7 +887,7 @@ impl NutReport {
         // Friction is already calculated at this point if a requested result depends on it.
         let friction = self.ball_friction.get().and_then(Option::as_ref);
         let why = friction.and_then(|of_balls| of_balls.pushed.as_ref()?.as_ref().err());
-        numbers.because(why.map(|why| not_pushed(why)))
+        numbers.with_reason(why.map(|why| not_pushed(why)))
     }
 
     /// Returns the result with the given name, or `None` if it does not exist.
@@ -897,7 +898,7 @@ impl NutReport {
     /// Returns notes on the meaning of the results and on neglected effects.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.problem.notes.clone();
-        if self.made.nut.shares_equally(&self.problem.support) {
+        if self.at_rest.nut.shares_equally(&self.problem.support) {
             notes
                 .push("All balls share the load equally, as in the models of one ball.".to_owned());
         }
@@ -944,7 +945,7 @@ impl NutReport {
                         friction.balls.len(),
                     ));
                 }
-                if self.is_lubricated() && self.made.nut.errors.axial_play.is_some() {
+                if self.is_lubricated() && self.at_rest.nut.errors.axial_play.is_some() {
                     notes.push(
                         "Friction of third contacts is calculated without a film: all flanks have the mean friction coefficient of the \
                          lubricated contacts, unless far_flank_friction_coefficient is given for the far flanks."
@@ -959,7 +960,7 @@ impl NutReport {
                             .to_owned(),
                     );
                 }
-                let not_in_it = match (self.is_lubricated(), self.problem.gaps.train.is_some()) {
+                let scope = match (self.is_lubricated(), self.problem.gaps.train.is_some()) {
                     (true, true) => {
                         "includes ball-to-ball contact according to ball_gap_mm, and includes returns and wipers only through \
                          return_circuits and seal_torque_Nm"
@@ -983,7 +984,7 @@ impl NutReport {
                     ));
                 }
                 notes.push(format!(
-                    "The torque {not_in_it}. Catalogs state drag coefficients K_p of 0.1 to 0.3 in \
+                    "The torque {scope}. Catalogs state drag coefficients K_p of 0.1 to 0.3 in \
                      T = K_p F_p lead/(2 pi). Two contacts per ball cause about 15 to 40 % of the drag torque that the manufacturers' rule \
                      predicts; with little play (axial_play_um), a third contact can cause the rest."
                 ));
@@ -994,7 +995,7 @@ impl NutReport {
 
     /// Returns a note on the assumed play, if the play is not given and friction depends on it.
     pub(crate) fn assumed_play(&self) -> Option<String> {
-        let NutAtRest { nut, preload, .. } = &self.made;
+        let NutAtRest { nut, preload, .. } = &self.at_rest;
         if nut.errors.axial_play.is_some() || self.problem.friction.is_none() {
             return None;
         }
@@ -1021,7 +1022,7 @@ impl NutReport {
 
     /// Returns notes on the cold and warm preload, and on the torque that verifies the preload.
     fn preload_notes(&self) -> Vec<String> {
-        let Some(NutPreload { cold, warm, .. }) = self.made.preload else {
+        let Some(NutPreload { cold, warm, .. }) = self.at_rest.preload else {
             return Vec::new();
         };
         let (NutProblem { design, seal_torque, tolerance, .. }, mut notes) =
@@ -1060,7 +1061,7 @@ impl NutReport {
         let skid = self.ball_friction().and_then(|found| skid_warning(found.onset?));
         warnings.extend(skid.filter(|_| !is_stated));
         warnings.extend(self.train_warnings());
-        if let Some(NutPreload { cold, warm, .. }) = &self.made.preload
+        if let Some(NutPreload { cold, warm, .. }) = &self.at_rest.preload
             && *cold > 0.0
             && *warm <= 0.0
         {
@@ -1068,12 +1069,12 @@ impl NutReport {
                 "The preload is lost at these temperature rises, so the nut has play.".to_owned(),
             );
         }
-        let set = self.made.preload.as_ref().is_some_and(|preload| preload.cold > 0.0);
+        let set = self.at_rest.preload.as_ref().is_some_and(|preload| preload.cold > 0.0);
         let lost = set && self.number(output!(preload_left_N)).is_some_and(|left| left <= 0.0);
         if let (true, Some(limit)) = (lost, self.number(output!(limit_load_N))) {
             warnings.push(format!(
                 "The preload is lost: the load of {} N exceeds the limit load of {limit:.0} N in its direction.",
-                trimmed(self.problem.axial().abs())
+                format_trimmed(self.problem.axial().abs())
             ));
         }
         warnings
@@ -1082,7 +1083,7 @@ impl NutReport {
     /// Returns warnings for nut and screw if the ellipse of the most heavily loaded contact extends
     /// beyond its flank.
     fn beyond_the_flanks(&self) -> Vec<String> {
-        let Ok(hertz) = self.made.nut.hertz() else { return Vec::new() };
+        let Ok(hertz) = self.at_rest.nut.hertz() else { return Vec::new() };
         let contacts = [[0, 1], [2, 3]].map(|flanks| {
             let contacts =
                 self.found().balls.iter().flat_map(|ball| {
@@ -1095,7 +1096,8 @@ impl NutReport {
 
     /// Returns a warning if the given offset or ball oversize does not preload the nut.
     fn loose_balls(&self) -> Option<String> {
-        let is_loose = self.problem.sets_preload_by_displacement() && self.made.preload.is_none();
+        let is_loose =
+            self.problem.sets_preload_by_displacement() && self.at_rest.preload.is_none();
         is_loose.then(|| {
             "The balls are loose without load in spite of preload_offset_um or ball_oversize_um, so the nut has no preload. Check the \
              sign and axial_play_um."
@@ -1107,7 +1109,7 @@ impl NutReport {
     /// load of a ball is within `part`.
     fn centrifugal_note(&self, part: std::ops::Range<f64>) -> Option<String> {
         let (NutAtRest { nut, found, .. }, (_, drive)) =
-            (&self.made, self.problem.friction.as_ref()?);
+            (&self.at_rest, self.problem.friction.as_ref()?);
         // A ball that rolls on both raceways orbits at half the sum of screw speed and nut speed.
         let precession = 0.5 * (drive.screw_speed + drive.nut_speed);
         let force = nut.ball.mass * nut.helix.radius * precession * precession;
@@ -1144,7 +1146,7 @@ impl NutReport {
 
     /// Returns a table with one row per ball. Missing values are NaN.
     pub fn balls(&self) -> Columns {
-        let NutAtRest { nut, found, .. } = &self.made;
+        let NutAtRest { nut, found, .. } = &self.at_rest;
         let (friction, hertz) = (self.friction(), nut.hertz().ok());
         let advances: Vec<_> = self
             .advance()
@@ -1191,7 +1193,7 @@ impl NutReport {
         loads.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * far.abs());
         // Without preload, a nut has no definite axial position at zero load, so this point is
         // omitted.
-        let start = usize::from(self.made.preload.is_none());
+        let start = usize::from(self.at_rest.preload.is_none());
         let rows = loads[start..].iter().map(|load| self.on_curve(*load)).collect();
         Columns { heads: Self::curve_columns(), rows }
     }
@@ -1199,8 +1201,10 @@ impl NutReport {
     fn on_curve(&self, load: f64) -> Vec<f64> {
         let mut problem = self.problem.clone();
         problem.support = problem.support.with_axial(load);
-        let numbers = match self.made.nut.solve(&problem.support) {
-            Ok(found) => Self::new(problem, NutAtRest { found, ..self.made.clone() }).some(&CURVE),
+        let numbers = match self.at_rest.nut.solve(&problem.support) {
+            Ok(found) => {
+                Self::new(problem, NutAtRest { found, ..self.at_rest.clone() }).values_of(&CURVE)
+            }
             Err(_) => vec![None; CURVE.len()],
         };
         std::iter::once(Some(load)).chain(numbers).map(|x| x.unwrap_or(f64::NAN)).collect()
@@ -1209,8 +1213,8 @@ impl NutReport {
     /// Adds the 90 % intervals of all results to the answer for a nut, if the groove is estimated.
     ///
     /// * `settings`: the [settings](NutProblem::settings) of the problem.
-    pub fn over_grooves(answer: Answer, case: &Case, settings: &Settings) -> Answer {
-        answer.over_grooves(case, FEW_DRAWS, |possible| {
+    pub fn with_groove_intervals(answer: Answer, case: &Case, settings: &Settings) -> Answer {
+        answer.with_groove_intervals(case, FEW_DRAWS, |possible| {
             Some(NutProblem::of(possible, settings).ok()?.solve().ok()?.answer())
         })
     }
@@ -1218,7 +1222,7 @@ impl NutReport {
     /// Returns the answer with the results for the nut. The answer also contains displacements,
     /// loads of all balls and stiffness under the names that the reference cases use.
     pub fn answer(&self) -> Answer {
-        let (found, nut) = (self.found(), &self.made.nut);
+        let (found, nut) = (self.found(), &self.at_rest.nut);
         let [z, x, y, px, py] = found.displacement;
         let of_balls = |number: &dyn Fn(&BallInGrooves) -> Option<f64>| {
             found.balls.iter().map(number).collect()
@@ -1250,7 +1254,7 @@ impl NutReport {
         let mut warnings = self.problem.warnings.clone();
         warnings.extend(warm.and_then(Warm::warning).into_iter().chain(self.warnings()));
         let cold = self.problem.cold_lubricant.iter().cloned();
-        let not_given = cold.map(|text| NotGiven { number: "drive_torque_Nm", text }).collect();
+        let not_given = cold.map(|text| MissingInput { number: "drive_torque_Nm", text }).collect();
         let of = Answer { notes: notes.collect(), warnings, not_given, ..Answer::default() };
         let answer = of.with_members(NutMembers {
             numbers: NumbersOf::new(self.numbers(|_| true), "nut"),

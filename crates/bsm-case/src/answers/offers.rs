@@ -69,8 +69,8 @@ answer! {
 }
 
 /// Results for which a smaller value is better. A larger value is better for the other results of
-/// [`sheet_columns`], except for the results in [`NEITHER`].
-const SMALLER: [&str; 6] = [
+/// [`sheet_columns`], except for the results in [`NO_PREFERENCE`].
+const SMALLER_IS_BETTER: [&str; 6] = [
     "critical_speed_ratio",
     "peak_motor_torque_Nm",
     "mean_heat_W",
@@ -79,7 +79,7 @@ const SMALLER: [&str; 6] = [
     "inertia_of_screw_kg_m2",
 ];
 /// Results for which neither a smaller nor a larger value is better.
-const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
+const NO_PREFERENCE: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
 
 /// Returns the name of the better offer, `first` or `second`. Returns `None` if the values are
 /// equal or a value is missing.
@@ -158,12 +158,12 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         let values = [first, second].map(|report| report.number(column.into()));
         values.iter().any(Option::is_some).then(|| {
             let [one, other] = values;
-            let best = if NEITHER.contains(&column.name)
+            let best = if NO_PREFERENCE.contains(&column.name)
                 || has_other_origin && column.name == output!(axis_stiffness_N_um).name()
             {
                 None
             } else {
-                better(one, other, SMALLER.contains(&column.name))
+                better(one, other, SMALLER_IS_BETTER.contains(&column.name))
             };
             OfferedNumber {
                 number: column.name,
@@ -217,7 +217,7 @@ mod tests {
     /// better.
     #[test]
     fn outputs_that_compare_offers_exist_on_the_axis_sheet() {
-        for name in SMALLER.into_iter().chain(NEITHER) {
+        for name in SMALLER_IS_BETTER.into_iter().chain(NO_PREFERENCE) {
             assert!(sheet_columns().any(|column| column.name == name), "{name}");
         }
     }

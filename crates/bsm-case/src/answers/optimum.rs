@@ -32,13 +32,13 @@ answer! {
     }
 }
 
-quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
+quantities! { pub(crate) QUANTITIES, read(&AnglesAndFriction) of Optimum;
     "closed form" {
         optimum_contact_angle_deg ["deg"] Directions(|k| k.best.map(|best| Some(best?.contact_angle / DEG)))
             needs [lead_angle_deg | lead_mm], "contact angle with the best efficiency";
         optimum_lead_angle_deg ["deg"] Directions(|k| k.best_leads.map(|lead| Some(lead? / DEG))) needs [contact_angle_deg],
             "lead angle for which the given contact angle is optimal";
-        optimum_efficiency [""] Directions(Known::best_efficiency), "efficiency at the optimum angle";
+        optimum_efficiency [""] Directions(AnglesAndFriction::best_efficiency), "efficiency at the optimum angle";
         self_locking_contact_angle_deg ["deg"] Directions(|k| {
             DIRECTIONS.map(|d| Some(Angles::locking_contact_angle(d, k.lead?, k.friction)? / DEG))
         }) needs [lead_angle_deg | lead_mm],
@@ -67,7 +67,7 @@ pub(crate) const NEEDS: Needs = Needs { all: inputs! { friction_coefficient }, q
 
 /// The given angles and friction coefficient, together with the optimum angles for both directions
 /// of drive.
-struct Known {
+struct AnglesAndFriction {
     lead: Option<f64>,
     contact: Option<f64>,
     friction: f64,
@@ -82,7 +82,7 @@ const SEARCHED_DEG: (f64, f64) = (5.0, 85.0);
 
 const DIRECTIONS: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
-impl Known {
+impl AnglesAndFriction {
     fn of(case: &Case) -> Result<Self, CaseError> {
         let (lead, contact) = (case.lead_angle(), case.contact_angle_deg.map(|deg| deg * DEG));
         let mut missing = NEEDS.missing(case.given());
@@ -131,7 +131,7 @@ impl Known {
 /// Calculates the results that have closed-form solutions.
 pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
     case.check()?;
-    read(&Known::of(case)?, |_| true).finite()
+    read(&AnglesAndFriction::of(case)?, |_| true).finite()
 }
 
 /// Calculates the optimum angles and self-locking limits for both directions of drive in closed
@@ -162,7 +162,7 @@ pub fn optimum(case: &Case, model: Option<Model>) -> Result<Answer, CaseError> {
             ));
         }
     }
-    answer.warnings.extend(Known::of(case)?.warnings());
+    answer.warnings.extend(AnglesAndFriction::of(case)?.warnings());
     Ok(answer)
 }
 

@@ -17,7 +17,7 @@ const QUANTITY_TABLES: [&[Quantity]; 19] = [
     axis::TORQUES,
     design::STEPS,
     jam::QUANTITIES,
-    manufacturers::BESIDE,
+    manufacturers::COMPARED,
     nut::QUANTITIES,
     nut::BALLS,
     nut::CIRCUITS,

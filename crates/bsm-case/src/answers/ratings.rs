@@ -12,11 +12,11 @@ use crate::answers::section::beyond_the_flanks;
 use crate::case::axis::speed_number_limit;
 use crate::case::rated_nut::{assumed_preload, body, load_ratings, nut, thread};
 use crate::vocabulary::members::{Data, NumbersOf, answer, number_tables};
-use crate::vocabulary::number::trimmed;
+use crate::vocabulary::number::format_trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::Warning;
-use crate::{Answer, Case, CaseError, Catalog, INPUTS, Numbers, exact};
+use crate::{Answer, Case, CaseError, Catalog, INPUTS, Numbers, format_exact};
 
 /// Title of the table with the intermediate results between the inputs and the ratings.
 pub(crate) const STEPS: &str = "steps";
@@ -49,24 +49,24 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
             "edge load: axial load at which a contact ellipse reaches the end of its flank";
         stiffness_characteristic_N_um15 ["N/um^1.5" "k"] Scalar(|r| r.elasticity.turn_constant * 1e-9),
             "stiffness characteristic of one turn";
-        preload_displacement_um ["um"] Scalar(|r| r.of_pair(|e| e.displacement(r.force) / UM)),
+        preload_displacement_um ["um"] Scalar(|r| r.for_pair(|e| e.displacement(r.force) / UM)),
             "displacement of the contacts of a nut under the preload";
         contact_displacement_um ["um"] Scalar(|r| r.displacement()) needs [axial_load_N],
             "axial displacement of the contacts of one nut or of the preloaded pair under the axial load";
-        secant_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.secant(r.force) * UM)) needs [axial_load_N],
+        secant_contact_stiffness_N_um ["N/um"] Scalar(|r| r.for_single_nut(|e| e.secant(r.force) * UM)) needs [axial_load_N],
             "secant stiffness of the contacts of one nut without preload, load / displacement";
-        tangent_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.tangent(r.force) * UM)) needs [axial_load_N],
+        tangent_contact_stiffness_N_um ["N/um"] Scalar(|r| r.for_single_nut(|e| e.tangent(r.force) * UM)) needs [axial_load_N],
             "tangent stiffness of the contacts of one nut without preload, for a small change of the load";
-        preloaded_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_pair(|e| e.preloaded(r.force) * UM)),
+        preloaded_contact_stiffness_N_um ["N/um"] Scalar(|r| r.for_pair(|e| e.preloaded(r.force) * UM)),
             "stiffness of the contacts of a preloaded pair";
-        body_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.body * UM)), "stiffness of the body of a nut";
-        preloaded_body_stiffness_N_um ["N/um"] Scalar(|r| r.of_pair(|e| 2.0 * e.body * UM)),
+        body_stiffness_N_um ["N/um"] Scalar(|r| r.for_single_nut(|e| e.body * UM)), "stiffness of the body of a nut";
+        preloaded_body_stiffness_N_um ["N/um"] Scalar(|r| r.for_pair(|e| 2.0 * e.body * UM)),
             "stiffness of the bodies of a preloaded pair";
-        single_nut_secant_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| in_series(e.secant(r.force), e.body) * UM)) needs [axial_load_N],
+        single_nut_secant_stiffness_N_um ["N/um"] Scalar(|r| r.for_single_nut(|e| in_series(e.secant(r.force), e.body) * UM)) needs [axial_load_N],
             "secant stiffness of one nut without preload, including contacts and body";
-        single_nut_tangent_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| in_series(e.tangent(r.force), e.body) * UM)) needs [axial_load_N],
+        single_nut_tangent_stiffness_N_um ["N/um"] Scalar(|r| r.for_single_nut(|e| in_series(e.tangent(r.force), e.body) * UM)) needs [axial_load_N],
             "tangent stiffness of one nut without preload, including contacts and body";
-        preloaded_stiffness_N_um ["N/um" "R_nu"] Scalar(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
+        preloaded_stiffness_N_um ["N/um" "R_nu"] Scalar(|r| r.for_pair(|e| e.preloaded_pair(r.force) * UM)),
             "stiffness of a preloaded pair, including contacts and bodies";
         rolling_efficiency [""] Scalar(|r| r.nut.rolling_efficiency(r.lever())), "catalog efficiency, with rolling resistance and without slip";
         nut_mass_kg = INPUTS Scalar(|r| r.case.nut_mass_kg.unwrap_or_else(|| r.body.mass(&r.nut, &r.thread)));
@@ -190,7 +190,7 @@ impl<'a> NutRatings<'a> {
     fn answer(&self) -> Result<Answer, CaseError> {
         let all = self.numbers()?;
         let part =
-            |is_step: bool| all.clone().part(|quantity| (quantity.title == STEPS) == is_step);
+            |is_step: bool| all.clone().filter(|quantity| (quantity.title == STEPS) == is_step);
         Ok(Answer::default().with_members(RatingMembers {
             numbers: NumbersOf::new(part(false), "nut"),
             as_used: NumbersOf::new(as_used(self, |_| true), "nut"),
@@ -210,12 +210,12 @@ impl<'a> NutRatings<'a> {
     }
 
     /// Returns the value of `number` for a preloaded pair, or `None` for a single nut.
-    fn of_pair(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
+    fn for_pair(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
         self.preloaded.then(|| number(&self.elasticity))
     }
 
     /// Returns the value of `number` for a single nut, or `None` for a preloaded pair.
-    fn of_one(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
+    fn for_single_nut(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
         (!self.preloaded).then(|| number(&self.elasticity))
     }
 
@@ -225,7 +225,7 @@ impl<'a> NutRatings<'a> {
             let load = self.case.axial_load_N?;
             Some(self.elasticity.preloaded_displacement(self.force, load) / UM)
         };
-        self.of_one(|e| e.displacement(self.force) / UM).or_else(of_pair)
+        self.for_single_nut(|e| e.displacement(self.force) / UM).or_else(of_pair)
     }
 
     fn lever(&self) -> f64 {
@@ -265,15 +265,15 @@ impl<'a> NutRatings<'a> {
                     .to_owned(),
             );
         }
-        let proportions = warnings::of_nut(nut, thread, body, &Catalog::standard()?.limits);
+        let proportions = warnings::limit_warnings(nut, thread, body, &Catalog::standard()?.limits);
         if self.preloaded {
-            texts.extend(warnings::of_pair(elasticity, *force, load, dynamic.rating));
+            texts.extend(warnings::preload_warnings(elasticity, *force, load, dynamic.rating));
         }
         let heaviest = life.as_ref().map_or(*force, |life| life.mean_load.max(*force));
         if heaviest > dynamic.rating {
             texts.push(format!(
                 "The force of {} N exceeds the dynamic load rating of {:.0} N.",
-                exact(heaviest.round()),
+                format_exact(heaviest.round()),
                 dynamic.rating
             ));
         }
@@ -284,7 +284,7 @@ impl<'a> NutRatings<'a> {
                 "The speed number is {:.0} mm/min at {} rpm. Above the limit of {limit:.0} mm/min, \
                  the ball return may be damaged.",
                 rpm * pitch_mm,
-                trimmed(rpm)
+                format_trimmed(rpm)
             ));
         }
         Ok(texts.into_iter().map(Warning::advice).chain(proportions).collect())

@@ -21,8 +21,8 @@ use crate::vocabulary::members::{Data, Keyed, Label, Maybe, Word, answer, row};
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{
-    Answer, Case, CaseError, Content, ModelChoice, NotGiven, Numbers, OUTPUTS, Output, OutputName,
-    Section, Sensitivity, Settings, exact, output, torque_parts,
+    Answer, Case, CaseError, Content, MissingInput, ModelChoice, Numbers, OUTPUTS, Output,
+    OutputName, Section, Sensitivity, Settings, format_exact, output, torque_parts,
 };
 
 /// Hertzian pressure between ball and groove above which permanent indentations are expected
@@ -201,7 +201,7 @@ impl Record {
         if solution.model == Model::RacewayControl {
             warnings.extend(onset.and_then(skid_warning));
         }
-        warnings.extend(self.film().map(of_a_film).unwrap_or_default());
+        warnings.extend(self.film().map(film_warnings).unwrap_or_default());
         warnings.extend(self.far_flank(case));
         warnings.extend(self.ambiguities());
         if let (Some(Choice { tolerance, .. }), Some(solved)) = (solution.choice, self.solved()) {
@@ -251,8 +251,8 @@ impl Record {
 
     /// Returns notes on neglected effects.
     pub fn notes(&self) -> Vec<String> {
-        let of_a_film = "Friction from the lubricant is uncertain by about 25 % of the contact loss. The model excludes ball-to-ball contact, ball returns, lead errors, deviations of the ball diameters, and four-point contact. Two contacts per ball cause about 15 to 40 % of the drag torque that the manufacturers' rule predicts for a preloaded nut.";
-        self.film().map(|_| of_a_film.to_owned()).into_iter().collect()
+        let uncertainty = "Friction from the lubricant is uncertain by about 25 % of the contact loss. The model excludes ball-to-ball contact, ball returns, lead errors, deviations of the ball diameters, and four-point contact. Two contacts per ball cause about 15 to 40 % of the drag torque that the manufacturers' rule predicts for a preloaded nut.";
+        self.film().map(|_| uncertainty.to_owned()).into_iter().collect()
     }
 
     /// Returns a note on the critical lead angle if model `rigid` has no solution because the ball
@@ -316,12 +316,12 @@ impl Record {
         let threshold = solved.ball.threshold_play? / UM;
         let play = fit.axial_play / UM;
         let with = match case.radial_gap_um {
-            Some(gap) => format!(" with a radial gap of {} um", exact(gap)),
+            Some(gap) => format!(" with a radial gap of {} um", format_exact(gap)),
             None => String::new(),
         };
         let below = format!(
             "The axial play of {} um{with} is below the threshold of {threshold:.1} um.",
-            exact(play)
+            format_exact(play)
         );
         if let Some(FarFlank { contact: Some(contact), two_contact_power, .. }) = solved.far_flank {
             let body = if contact.site == Site::Screw { "screw" } else { "nut" };
@@ -452,16 +452,16 @@ impl Record {
         program: &str,
         case: &Case,
         settings: &Settings,
-        beside: &Supplement,
+        supplement: &Supplement,
     ) -> Answer {
         let work = &mut ModelWorkspace::default();
         let mut uncertainty = || case.problem(settings).ok()?.band(self.solved()?, work);
-        let band = if beside.band { uncertainty() } else { None };
+        let band = if supplement.band { uncertainty() } else { None };
         let (mut notes, mut parts) = (Vec::new(), None);
-        if beside.band && band.is_none() && self.film().is_some() {
+        if supplement.band && band.is_none() && self.film().is_some() {
             notes.push(NO_INTERVAL.to_owned());
         }
-        if beside.parts {
+        if supplement.parts {
             match torque_parts(case, settings, work) {
                 Ok(found) => parts = found.filter(|parts| parts.torque().is_some()),
                 Err(why) => notes.push(format!("The screw torque is not calculated: {why}")),
@@ -480,7 +480,8 @@ impl Record {
             );
         }
         let cold = case.cold_lubricant().filter(|_| parts.is_some());
-        let not_given = cold.into_iter().map(|text| NotGiven { number: "screw_torque_Nm", text });
+        let not_given =
+            cold.into_iter().map(|text| MissingInput { number: "screw_torque_Nm", text });
         let mut answer = Answer {
             notes,
             warnings: self.all_warnings(case),
@@ -498,7 +499,7 @@ impl Record {
         let of_model = |band: &LossInterval| {
             Word("interval calculated with model", band.model.name().to_owned())
         };
-        let not_in_it = band.is_some().then(|| NOT_IN_IT.to_owned());
+        let not_included = band.is_some().then(|| NOT_INCLUDED.to_owned());
         let rows = |rows: &Vec<Sensitivity>| Keyed(rows.iter().map(Sensitivity::row).collect());
         answer.with_members(MotionResult {
             record: Data(RecordJson(self.to_json())),
@@ -507,10 +508,10 @@ impl Record {
             settings: Data(settings.members()),
             regime: Data(self.regime().map(str::to_owned)),
             torque_parts: Maybe(parts.as_ref().map(|parts| Data(parts.members()))),
-            band: Maybe(band.as_ref().map(of_band)),
+            band: Maybe(band.as_ref().map(interval_rows)),
             band_model: Maybe(band.as_ref().map(of_model)),
-            not_in_it: Label("not included:", not_in_it),
-            sensitivities: Maybe(beside.sensitivities.as_ref().map(rows)),
+            not_included: Label("not included:", not_included),
+            sensitivities: Maybe(supplement.sensitivities.as_ref().map(rows)),
         })
     }
 }
@@ -530,7 +531,7 @@ answer! {
         [skip_serializing_if = "Maybe::is_none"] band: Maybe<Keyed<LossRow>>;
         /// Model with which the intervals are calculated.
         [skip_serializing_if = "Maybe::is_none"] band_model: Maybe<Word>;
-        [skip] not_in_it: Label;
+        [skip] not_included: Label;
         [skip_serializing_if = "Maybe::is_none"] sensitivities: Maybe<Keyed<SensitivityRow>>;
     }
 }
@@ -548,7 +549,7 @@ pub struct Supplement {
 }
 
 /// Effects that the calculated torque of lubricated contacts neglects.
-const NOT_IN_IT: &str = "ball-to-ball contact, ball returns, seals and drag, except for effects that inputs describe; lead errors and deviations of the ball diameters; four-point contact. Two contacts per ball cause about 15 to 40 % of the drag torque that the \
+const NOT_INCLUDED: &str = "ball-to-ball contact, ball returns, seals and drag, except for effects that inputs describe; lead errors and deviations of the ball diameters; four-point contact. Two contacts per ball cause about 15 to 40 % of the drag torque that the \
                          manufacturers' rule predicts for a preloaded nut.";
 
 row! {
@@ -563,7 +564,9 @@ row! {
 }
 
 /// Builds the table that lists the intervals due to uncertain lubricated friction.
-fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -> Keyed<LossRow> {
+fn interval_rows(
+    LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval,
+) -> Keyed<LossRow> {
     let row = |name, label, unit, ends: &[f64; 2]| LossRow {
         name,
         label,
@@ -589,21 +592,21 @@ pub(crate) fn skid_warning(onset: f64) -> Option<String> {
 }
 
 /// Returns warnings if a lubricant film is outside the range of its formulas.
-fn of_a_film(film: &FilmState) -> Vec<String> {
+fn film_warnings(film: &FilmState) -> Vec<String> {
     /// Temperature rise of the lubricant film that reduces the film thickness by about half \[K\].
-    const HOT: f64 = 10.0;
+    const HEATING_LIMIT_K: f64 = 10.0;
     /// Value of the load parameter M below which contacts are so rigid that the formula for elastic
     /// contacts gives a wrong film thickness (theory 17).
-    const RIGID: f64 = 10.0;
+    const RIGID_LOAD_PARAMETER: f64 = 10.0;
     let mut warnings = Vec::new();
     let elasticity = film.nut.elasticity.min(film.screw.elasticity);
-    if elasticity < RIGID {
+    if elasticity < RIGID_LOAD_PARAMETER {
         warnings.push(format!(
-            "The load parameter M = {elasticity:.1e} is below {RIGID}: the load hardly deforms the contact, so the film is several \
+            "The load parameter M = {elasticity:.1e} is below {RIGID_LOAD_PARAMETER}: the load hardly deforms the contact, so the film is several \
              times thicker than the formula for elastic contacts gives, and the sliding friction is smaller."
         ));
     }
-    if film.heating > HOT {
+    if film.heating > HEATING_LIMIT_K {
         warnings.push(format!(
             "Sliding heats the film by {:.0} K, which thins the lubricant in the contact. The model \
              neglects this effect, so the friction is smaller than stated.",

@@ -4,7 +4,7 @@ use bsm_design::{FEW_DRAWS, quantile};
 use bsm_nut::LeadError;
 
 use super::nut::QUANTITIES;
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::members::{Data, Keyed, Word, answer, row};
 use crate::{
     Answer, Case, CaseError, NutProblem, NutReport, OutputName, Quantity, Settings, output,
@@ -63,7 +63,7 @@ answer! {
         /// Number of copies that do not carry the load.
         failed: Data<usize>;
         quantiles: Keyed<QuantileRow>;
-        [skip] told: Word;
+        [skip] summary: Word;
     }
 }
 
@@ -90,16 +90,16 @@ impl<'a> Samples<'a> {
         if !problem.scatters() && waves.is_empty() {
             let what = "or a wave in lead_error is required for samples, because all samples are identical otherwise";
             let key = "ball_deviation_sd_um".to_owned();
-            return Err(bad(key, what));
+            return Err(invalid_input(key, what));
         }
         Ok(Self { problem, seed: seed.unwrap_or(problem.seed), waves })
     }
 
     /// Solves the copy with the given index. The result depends only on the seed and the index.
     pub fn solve(&self, number: u64) -> DrawnNut {
-        let one = self.problem.drawn(self.seed, number, &self.waves);
-        let made = one.carried().ok()?;
-        Some(NutReport::new(one, made).some(&SAMPLED))
+        let one = self.problem.with_random_errors(self.seed, number, &self.waves);
+        let at_rest = one.solve_without_errors().ok()?;
+        Some(NutReport::new(one, at_rest).values_of(&SAMPLED))
     }
 
     /// Returns the answer with the quantiles of each quantity over all random copies of the nut.
@@ -124,20 +124,20 @@ impl<'a> Samples<'a> {
             })
         };
         let quantiles = Keyed(SAMPLED.iter().enumerate().filter_map(row).collect());
-        let told = format!("{} nuts carry the load, {failed} do not", carried.len());
+        let summary = format!("{} nuts carry the load, {failed} do not", carried.len());
         let of = Answer { fails: failed > 0, warnings: case.warnings(), ..Answer::default() };
         of.with_members(SampleMembers {
             carried: Data(carried.len()),
             failed: Data(failed),
             quantiles,
-            told: Word("", told),
+            summary: Word("", summary),
         })
     }
 
     /// Adds the 90 % intervals of the quantiles to an answer, if the groove is estimated.
     ///
     /// * `number`: number of samples in the answer.
-    pub fn over_grooves(
+    pub fn with_groove_intervals(
         answer: Answer,
         case: &Case,
         settings: &Settings,
@@ -145,7 +145,7 @@ impl<'a> Samples<'a> {
         seed: Option<u64>,
     ) -> Answer {
         let each = number.min(PER_GROOVE);
-        let mut answer = answer.over_grooves(case, FEW_DRAWS, |possible| {
+        let mut answer = answer.with_groove_intervals(case, FEW_DRAWS, |possible| {
             let problem = NutProblem::of(possible, settings).ok()?;
             let samples = Samples::new(&problem, each, seed).ok()?;
             let nuts: Vec<_> = (0..each).map(|i| samples.solve(i)).collect();

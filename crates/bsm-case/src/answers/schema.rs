@@ -17,8 +17,8 @@ use super::ellipses::EllipseMembers;
 use super::fit::FitMembers;
 use super::groove::EstimateJson;
 use super::jam::JamNumbers;
-use super::manufacturers::BESIDE;
-use super::moving::MotionMembers;
+use super::manufacturers::COMPARED;
+use super::motion::MotionMembers;
 use super::nut::{NutMembers, UnsolvedNut};
 use super::offers::OfferMembers;
 use super::optimum::OptimumMembers;
@@ -316,7 +316,7 @@ impl AnswerSchema {
                 .optional_outputs(sheet_columns());
             let nuts = ObjectSchema::default()
                 .optional_outputs(InputKey::ALL.into_iter().map(Output::input))
-                .outputs(BESIDE.iter().flat_map(|quantity| quantity.columns))
+                .outputs(COMPARED.iter().flat_map(|quantity| quantity.columns))
                 .optional_outputs(sheet_columns())
                 .member::<String>("nut")
                 .optional_member::<Option<bool>>("passes")

@@ -11,12 +11,12 @@ use super::ratings::QUANTITIES as RATINGS;
 use crate::case::catalog::LISTS;
 use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::column_values::ColumnValues;
-use crate::vocabulary::number::{decimal, number, trimmed};
+use crate::vocabulary::number::{decimal, format_number, format_trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, GPA, MM, UM, UnitChange, convert};
 use crate::{
     AnalysisKind, Answer, CaseError, Catalog, Column, Content, DesignReport, DisplayUnits, INPUTS,
-    InputKey, Known, Output, RequirementFile, ShownColumn, Table, nearest, sheet_columns,
+    InputKey, NameKind, Output, RequirementFile, ShownColumn, Table, nearest, sheet_columns,
 };
 
 quantities! {
@@ -132,7 +132,7 @@ impl ListColumn {
                      of numbers. Nuts that pass all rules always come first"
                 ));
             }
-            CaseError::unknown(Known::Column, name, nearest(name, names()))
+            CaseError::unknown(NameKind::Column, name, nearest(name, names()))
         })
     }
 
@@ -169,12 +169,15 @@ impl Condition {
     /// not a number.
     pub fn parse(text: &str, columns: &[ListColumn]) -> Result<Self, CaseError> {
         let form = "name>=number, name<=number or name=number";
-        let bad = || CaseError::bad_setting(text, form);
-        let at = text.find(['<', '>', '=']).ok_or_else(bad)?;
-        let sign =
-            if text[at..].starts_with('=') { "=" } else { text.get(at..at + 2).ok_or_else(bad)? };
+        let malformed = || CaseError::bad_setting(text, form);
+        let at = text.find(['<', '>', '=']).ok_or_else(malformed)?;
+        let sign = if text[at..].starts_with('=') {
+            "="
+        } else {
+            text.get(at..at + 2).ok_or_else(malformed)?
+        };
         if !["<=", ">=", "="].contains(&sign) {
-            return Err(bad());
+            return Err(malformed());
         }
         let (column, change) = ListColumn::named(text[..at].trim(), columns)?;
         let given = text[at + sign.len()..].trim();
@@ -305,8 +308,11 @@ impl NutFilter {
             })
         };
         let within: Vec<_> = places().filter(meets).collect();
-        let mut chosen =
-            if self.pareto { ManufacturerRow::front(&rows, &within) } else { within.clone() };
+        let mut chosen = if self.pareto {
+            ManufacturerRow::pareto_front(&rows, &within)
+        } else {
+            within.clone()
+        };
         if let Some((column, descending)) = &self.order {
             // A row without a value in the sort column comes last, both in ascending and in
             // descending order.
@@ -327,7 +333,7 @@ impl NutFilter {
             let value = condition.nearest_of(&values);
             let value = value.map_or_else(
                 || "has no value".to_owned(),
-                |value| format!("has {}", trimmed(value)),
+                |value| format!("has {}", format_trimmed(value)),
             );
             format!("{}: the nearest of {} nuts {value}", condition.text, rows.len())
         };
@@ -339,7 +345,7 @@ impl NutFilter {
             within,
             chosen,
             named: self.columns().map(|column| column.place).collect(),
-            why,
+            reasons: why,
             warnings: Vec::new(),
             rows: Rows::Table(rows),
         }
@@ -360,12 +366,15 @@ impl NutFilter {
         let within = catalog.map(&all, |place, nut| meets(nut).then_some(place));
         let mut found = Found { within, ..Found::default() };
         if found.within.is_empty() {
-            found.why = match requirement {
+            found.reasons = match requirement {
                 _ if all.is_empty() => vec![NO_COMBINATION.to_owned()],
-                Some(requirement) if self.of_nut.is_empty() => blocks(requirement, &catalog),
+                Some(requirement) if self.of_nut.is_empty() => {
+                    blocking_limits(requirement, &catalog)
+                }
                 _ => {
                     let mut reasons = self.nearest(&catalog, &all, keeps);
-                    let limits = requirement.map(|requirement| blocks(requirement, &catalog));
+                    let limits =
+                        requirement.map(|requirement| blocking_limits(requirement, &catalog));
                     reasons.extend(limits.into_iter().flatten());
                     reasons
                 }
@@ -373,7 +382,7 @@ impl NutFilter {
             return self.list(catalog, all.len(), requirement.is_some(), found);
         }
         if let Some(requirement) = requirement {
-            self.judge(requirement, &catalog, &mut found);
+            self.check_axis_sheets(requirement, &catalog, &mut found);
         }
         found.chosen =
             if self.pareto { catalog.pareto(&found.within) } else { found.within.clone() };
@@ -389,7 +398,7 @@ impl NutFilter {
         let first = found.chosen.get(..1).unwrap_or_default();
         let first = catalog.map(first, |_, nut| Some(*nut));
         if let (Some(nut), Some(requirement)) = (first.first(), requirement)
-            && let Ok(sheet) = requirement.judge(&requirement.case_of(nut))
+            && let Ok(sheet) = requirement.axis_sheet(&requirement.case_of(nut))
         {
             found.warnings = sheet.answer.warnings;
         }
@@ -398,13 +407,13 @@ impl NutFilter {
 
     /// Creates the list of nuts from the sizes that were found.
     fn list(&self, catalog: Catalog, all: usize, has_sheets: bool, found: Found) -> NutList {
-        let Found { within, chosen, sheets, why, warnings } = found;
+        let Found { within, chosen, sheets, reasons, warnings } = found;
         NutList {
             columns: ListColumn::of_sizes(has_sheets),
             all,
             within,
             chosen,
-            why,
+            reasons,
             warnings,
             named: self.columns().map(|column| column.place).collect(),
             rows: Rows::Sizes { catalog, sheets },
@@ -413,7 +422,12 @@ impl NutFilter {
 
     /// Calculates the axis sheets of the found sizes, and keeps only the sizes that meet the
     /// conditions on columns of the axis sheet.
-    fn judge(&self, requirement: &RequirementFile, catalog: &Catalog, found: &mut Found) {
+    fn check_axis_sheets(
+        &self,
+        requirement: &RequirementFile,
+        catalog: &Catalog,
+        found: &mut Found,
+    ) {
         let sheet = |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(nut)?));
         let sheets = catalog.map(&found.within, sheet);
         let meets_sheet =
@@ -424,17 +438,17 @@ impl NutFilter {
             .map(|(place, ..)| *place)
             .collect();
         if found.within.is_empty() && sheets.is_empty() {
-            found.why = blocks(requirement, catalog);
+            found.reasons = blocking_limits(requirement, catalog);
         } else if found.within.is_empty() {
             let near = |condition: &Condition| {
                 let values: Vec<_> = sheets
                     .iter()
                     .map(|(_, nut, sheet)| condition.column.read(nut, sheet))
                     .collect();
-                let value = condition.nearest_of(&values).map_or_else(String::new, number);
+                let value = condition.nearest_of(&values).map_or_else(String::new, format_number);
                 format!("{}: the nearest of {} nuts has {value}", condition.text, values.len())
             };
-            found.why = self.of_sheet.iter().map(near).collect();
+            found.reasons = self.of_sheet.iter().map(near).collect();
         }
         found.sheets = sheets.into_iter().map(|(place, _, sheet)| (place, sheet)).collect();
     }
@@ -459,7 +473,7 @@ impl NutFilter {
             let text = &condition.text;
             match condition.nearest_of(&rest) {
                 Some(value) => {
-                    let (nuts, value) = (rest.len(), number(value));
+                    let (nuts, value) = (rest.len(), format_number(value));
                     format!(
                         "without {text}, {nuts} nuts remain; the value closest to this condition is {value}"
                     )
@@ -474,7 +488,7 @@ impl NutFilter {
 }
 
 /// Returns the limits of a requirement that no nut of the catalog meets.
-fn blocks(requirement: &RequirementFile, catalog: &Catalog) -> Vec<String> {
+fn blocking_limits(requirement: &RequirementFile, catalog: &Catalog) -> Vec<String> {
     match DesignReport::standard(requirement, catalog) {
         Some(report) => report.reasons,
         None => vec![NO_SIZE.to_owned()],
@@ -492,7 +506,7 @@ struct Found {
     within: Vec<u32>,
     chosen: Vec<u32>,
     sheets: BTreeMap<u32, Vec<f64>>,
-    why: Vec<String>,
+    reasons: Vec<String>,
     warnings: Vec<String>,
 }
 
@@ -524,7 +538,7 @@ pub struct NutList {
     /// selected.
     pub chosen: Vec<u32>,
     /// Reasons why no nut was selected.
-    pub why: Vec<String>,
+    pub reasons: Vec<String>,
     /// Warnings from the axis sheet of the first nut.
     pub warnings: Vec<String>,
     columns: Vec<ListColumn>,
@@ -680,8 +694,8 @@ impl NutList {
                 ManufacturerRow::answer(&self.rows_of(&self.chosen), count, is_shown)
             }
         };
-        answer.notes.extend(self.why.iter().map(|why| format!("no nut was selected: {why}")));
-        answer.fails |= !self.why.is_empty();
+        answer.notes.extend(self.reasons.iter().map(|why| format!("no nut was selected: {why}")));
+        answer.fails |= !self.reasons.is_empty();
         let more = self.chosen.len() - count;
         if more > 0 {
             answer.notes.push(format!(

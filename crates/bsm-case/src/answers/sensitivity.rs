@@ -86,12 +86,12 @@ impl Sensitivities {
         // The derivatives are calculated for constant temperatures, which are the temperatures of
         // the warm state.
         let case = &case.in_warm_state(settings)?;
-        let model = case.ask(settings)?;
+        let model = case.check_and_choose(settings)?;
         let used = Cell::new(InputSet::default());
         let part = |variables: &[(InputKey, f64)]| {
             let jet = |key: InputKey| {
                 let value = case.value_or_default(key)?;
-                used.set(used.get().and(InputSet::of(&[key])));
+                used.set(used.get().union(InputSet::of(&[key])));
                 let place = variables.iter().position(|(variable, _)| *variable == key);
                 Some(place.map_or(value.into(), |place| Jets::variable(value, place)))
             };

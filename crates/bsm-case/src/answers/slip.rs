@@ -9,7 +9,7 @@ use bsm_dyn::{
 };
 use bsm_kin::Site;
 
-use crate::answers::moving::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
+use crate::answers::motion::{MovingBall, MovingContact, lacks_ellipses, motion_answer};
 use crate::vocabulary::members::number_tables;
 use crate::vocabulary::quantity::{Values, quantities};
 use crate::vocabulary::units::{DEG, MM};
@@ -107,7 +107,7 @@ pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Ans
         );
     }
     let numbers = read(&slipping, |_| true).finite()?;
-    let mut answer = of_a_motion::<SlipNumbers>(case, solution, numbers, Vec::new(), lacks);
+    let mut answer = motion_answer::<SlipNumbers>(case, solution, numbers, Vec::new(), lacks);
     let agree = if case.given().is_lubricated() { POWERS_AGREE_IN_FILMS } else { POWERS_AGREE };
     if let Some(loss) = slipping.loss.filter(|loss| loss.difference().abs() > agree) {
         answer.warnings.push(format!(
@@ -175,21 +175,21 @@ pub(crate) fn integration(settings: &Settings, solution: &Solution) -> (f64, f64
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Law {
     Dry(Coulomb<f64>),
-    Oiled(MixedFriction),
+    Lubricated(MixedFriction),
 }
 
 impl FrictionLaw<f64> for Law {
     fn coefficient(&self, pressure: f64, speed: f64) -> f64 {
         match self {
             Self::Dry(law) => law.coefficient(pressure, speed),
-            Self::Oiled(law) => law.coefficient(pressure, speed),
+            Self::Lubricated(law) => law.coefficient(pressure, speed),
         }
     }
 
     fn bend(&self) -> Option<bsm_dyn::lubrication::Transition> {
         match self {
             Self::Dry(law) => FrictionLaw::<f64>::bend(law),
-            Self::Oiled(law) => law.bend(),
+            Self::Lubricated(law) => law.bend(),
         }
     }
 }
@@ -201,8 +201,8 @@ impl Law {
     /// * `dry`: friction law of dry contacts.
     pub(crate) fn of(site: Site, dry: Coulomb<f64>, solution: &Solution) -> Self {
         match solution.solved().and_then(|solved| solved.film) {
-            Some(film) if site == Site::Screw => Self::Oiled(film.screw.law),
-            Some(film) => Self::Oiled(film.nut.law),
+            Some(film) if site == Site::Screw => Self::Lubricated(film.screw.law),
+            Some(film) => Self::Lubricated(film.nut.law),
             None => Self::Dry(dry),
         }
     }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::nut::QUANTITIES as NUT;
-use crate::case::axis::Machine;
+use crate::case::axis::AxisModel;
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, Warm, WarmState};
 use crate::vocabulary::members::{Keyed, Maybe, NumbersOf, answer, number_tables, row};
@@ -144,7 +144,7 @@ fn is_of_fold(name: &str) -> bool {
 }
 
 /// Results for a warm state that have an uncertainty band.
-const OF_BAND: [&str; 10] = [
+const BAND_RESULTS: [&str; 10] = [
     "nut_temperature_C",
     "screw_temperature_C",
     "balls_temperature_C",
@@ -158,7 +158,8 @@ const OF_BAND: [&str; 10] = [
 ];
 
 /// Results for each phase with motion that have an uncertainty band.
-const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
+const PHASE_BAND_RESULTS: [&str; 2] =
+    ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
 
 /// Returns whether the lower and the upper bound of a result are missing because no steady state
 /// exists under some of the varied assumptions.
@@ -166,19 +167,19 @@ const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_
 /// If the reason is thermal runaway or an excessive temperature, the upper bounds are missing,
 /// except that the screw tension lacks its lower bound. For any other reason, both bounds are
 /// missing.
-fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
+fn missing_bounds(unsolved: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     let heats = |why: &NoSteadyState| {
         matches!(why, NoSteadyState::RunsAway(_) | NoSteadyState::TooHot { .. })
     };
-    let unknown = none.iter().any(|(.., why)| !heats(why));
-    let grows = none.iter().any(|(.., why)| heats(why));
+    let unknown = unsolved.iter().any(|(.., why)| !heats(why));
+    let grows = unsolved.iter().any(|(.., why)| heats(why));
     let falls = name == "screw_tension_N";
     [unknown || grows && falls, unknown || grows && !falls]
 }
 
-/// Returns the results for a warm state: first the results in [`OF_BAND`], and then the results in
-/// [`OF_PHASE`] for each phase with motion.
-fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
+/// Returns the results for a warm state: first the results in [`BAND_RESULTS`], and then the results in
+/// [`PHASE_BAND_RESULTS`] for each phase with motion.
+fn band_values(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
     let network = nut.network(1.0);
     let (growth, tension) = (network.growth(&steady.rises), network.tension(&steady.rises));
     let whole = [steady.heated.preload, steady.heat(), growth / UM, tension, steady.gain];
@@ -197,7 +198,7 @@ impl Warm {
         settings: &Settings,
         detail: Detail,
     ) -> Result<Option<Self>, CaseError> {
-        Self::of(case, settings, detail, of_band)
+        Self::of(case, settings, detail, band_values)
     }
 
     /// Adds results, conductances and uncertainty band of the warm state to an answer, if the warm
@@ -221,10 +222,11 @@ impl Warm {
         let moves =
             |phase: &Option<PhaseState>| phase.as_ref().is_some_and(|p| p.friction.is_some());
         let moving = moving.filter(|(_, phase)| moves(phase)).map(|(place, _)| place + 1);
-        let of_phase = moving.flat_map(|number| OF_PHASE.map(|name| format!("{name} {number}")));
-        let names = OF_BAND.map(str::to_owned).into_iter().chain(of_phase);
+        let of_phase =
+            moving.flat_map(|number| PHASE_BAND_RESULTS.map(|name| format!("{name} {number}")));
+        let names = BAND_RESULTS.map(str::to_owned).into_iter().chain(of_phase);
         let row = |((name, value), [low, high]): ((String, &f64), &[f64; 2])| {
-            let [no_low, no_high] = open_ends(&band.none, &name);
+            let [no_low, no_high] = missing_bounds(&band.none, &name);
             let [low, high] =
                 [(low, no_low), (high, no_high)].map(|(end, open)| (!open).then_some(*end));
             BandRow { name, low, value: *value, high }
@@ -349,11 +351,11 @@ impl WarmBranch {
         reason = "the names end with units, and some unit symbols are capital letters"
     )]
     pub fn of(case: &Case, settings: &Settings) -> Result<Option<Self>, CaseError> {
-        if !case.asks_warm() {
+        if !case.requests_warm_state() {
             return Ok(None);
         }
         let (set, cold_preload_N, states) = Warm::branch(case, settings)?;
-        let speed_rpm = Machine::of(case)?.axis.fastest() / RPM;
+        let speed_rpm = AxisModel::of(case)?.axis.fastest() / RPM;
         let point = |state: OnBranch| {
             let [nut, screw, balls, ..] = celsius(set, &state.rises);
             WarmPoint {
@@ -396,7 +398,7 @@ impl WarmBranch {
 
 /// Returns the names of the inputs that the warm state needs and that are missing.
 pub(crate) fn missing(base: &Case, given: InputSet) -> Vec<String> {
-    let state = (!base.asks_warm()).then(|| "warm_state (true)".to_owned());
+    let state = (!base.requests_warm_state()).then(|| "warm_state (true)".to_owned());
     let stroke = (!given.contains(InputKey::stroke_mm)).then(|| "stroke_mm".to_owned());
     rated_nut::NEEDS.missing(given).into_iter().chain(state).chain(stroke).collect()
 }
@@ -415,7 +417,7 @@ pub(crate) fn numbers(
         |of_fold: bool| QUANTITIES.iter().any(|of| is_of_fold(of.name) == of_fold && wanted(of));
     let fold = any(true);
     let warm = if fold && !any(false) {
-        Warm::with_band(case, settings, Detail { fold, ..Detail::JUDGED })
+        Warm::with_band(case, settings, Detail { fold, ..Detail::WITHOUT_BAND })
     } else {
         Warm::state_of(case, settings, fold)
     }?;

@@ -18,5 +18,5 @@ quantities! { pub(crate) QUANTITIES, read(&usize) of Warnings;
 /// warnings.
 pub(crate) fn numbers(case: &Case, solution: &Solution) -> Numbers {
     let texts = Record::new(solution.clone()).all_warnings(case);
-    read(&texts.len(), |_| true).because((!texts.is_empty()).then(|| texts.join("; ")))
+    read(&texts.len(), |_| true).with_reason((!texts.is_empty()).then(|| texts.join("; ")))
 }

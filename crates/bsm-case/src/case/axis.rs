@@ -15,9 +15,9 @@ use crate::case::nut::balls_and_turns;
 use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::entries::{MotorCurveRow, Named, SteelFactor};
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::input_set::inputs;
-use crate::vocabulary::number::trimmed;
+use crate::vocabulary::number::format_trimmed;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
@@ -29,7 +29,7 @@ const MAX_BORE_RATIO: f64 = 0.8;
 
 /// The axis of a case, with its rotating parts and its moving masses.
 #[derive(Debug, Clone)]
-pub(crate) struct Machine {
+pub(crate) struct AxisModel {
     pub(crate) axis: Axis,
     /// Dynamic and static load rating without modifying factors \[N\], either calculated or stated
     /// by the manufacturer.
@@ -85,7 +85,9 @@ impl FixedEnds {
         let pretension = [InputKey::pretension_N, InputKey::pretension_K];
         if shaft.support != EndFixity::FixedFixed {
             let given = pretension.into_iter().find(|key| case[*key].is_some());
-            return given.map_or(Ok(None), |key| Err(bad(key.name(), "needs support fixed-fixed")));
+            return given.map_or(Ok(None), |key| {
+                Err(invalid_input(key.name(), "needs support fixed-fixed"))
+            });
         }
         if pretension.iter().all(|key| case[*key].is_some()) {
             return Err(CaseError::given_twice(pretension.map(InputKey::name)));
@@ -129,7 +131,7 @@ fn check_loaded(case: &Case, phases: &[Phase], carriage: &MachineTable) -> Resul
         return Ok(());
     }
     if case.entries.cycle.is_some() && case.axial_load_N.is_some() {
-        return Err(bad(
+        return Err(invalid_input(
             "axial_load_N",
             "has no effect beside a cycle, and no other load acts on the screw; give force_N in the entries of the cycle",
         ));
@@ -187,13 +189,13 @@ fn screw_and_nut(case: &Case) -> Result<ScrewAndNut, CaseError> {
     Ok((Some((nut, thread)), size, warning))
 }
 
-impl Machine {
+impl AxisModel {
     /// Calculates the axis of a case. The preload is not included, because it is determined by the
     /// nut.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         // The process force may be zero or act in the direction of the feed, so the rule that
         // `axial_load_N` must be positive is not checked.
-        case.check_but(case.speeds_at_rest().and(AXIAL_LOAD))?;
+        case.check_but(case.speeds_at_rest().union(AXIAL_LOAD))?;
         let driven = driven_part(case)?;
         let (groove, RatedScrew { screw: size, body, mut assumed }, warning) = screw_and_nut(case)?;
         let calculated = groove.as_ref().map(|(nut, _)| nut);
@@ -220,7 +222,7 @@ impl Machine {
         if let (None, Some(stroke)) = (case.stroke_mm, stroke) {
             assumed.push(format!(
                 "stroke_mm is not given. The stroke is the range of the cycle, {} mm.",
-                trimmed(stroke / MM)
+                format_trimmed(stroke / MM)
             ));
         }
         let screw = shaft.as_ref().map(|shaft| {
@@ -241,7 +243,7 @@ impl Machine {
                 let what = "of a steel tube from the pitch circle to nut_outer_diameter_mm (BB10)";
                 assumed.push(format!(
                     "nut_inertia_kg_m2 = {} is estimated as the value {what}.",
-                    trimmed(tube)
+                    format_trimmed(tube)
                 ));
                 tube
             })
@@ -250,9 +252,12 @@ impl Machine {
         let drive = drive_train(case, size.lead, of_driven, &carriage)?;
         let cycle = motion.time.zip(motion.travel(size.lead));
         let is_finite =
-            |(time, travel): (f64, CycleTravel)| time.is_finite() && travel.way.is_finite();
+            |(time, travel): (f64, CycleTravel)| time.is_finite() && travel.distance.is_finite();
         if !cycle.is_none_or(is_finite) {
-            return Err(bad("cycle", "has a travel that is too large; give shorter times"));
+            return Err(invalid_input(
+                "cycle",
+                "has a travel that is too large; give shorter times",
+            ));
         }
         let phases = phases(&motion.segments, &carriage, size.lead);
         let is_rated = groove.is_some() || ratings.iter().any(|rating| !rating.is_nan());
@@ -309,17 +314,17 @@ impl Machine {
         if thread > length * (1.0 + 1e-12) {
             let (nut, is_estimated) = (self.body.length / MM, case.nut_length_mm.is_none());
             let overrun = mount(case).overrun_of(self.axis.screw.lead) / MM;
-            return Err(bad(
+            return Err(invalid_input(
                 "unsupported_length_mm",
                 format!(
                     "is {} mm, but the thread is {} mm long (stroke {} mm, {}nut {} mm, overrun {} mm at each end), so the nut would \
                      run into the bearings. Increase unsupported_length_mm, or give a smaller {}overrun_mm",
-                    trimmed(length / MM),
-                    trimmed(thread / MM),
-                    trimmed(stroke / MM),
+                    format_trimmed(length / MM),
+                    format_trimmed(thread / MM),
+                    format_trimmed(stroke / MM),
                     if is_estimated { "estimated " } else { "" },
-                    trimmed(nut),
-                    trimmed(overrun),
+                    format_trimmed(nut),
+                    format_trimmed(overrun),
                     if is_estimated { "nut_length_mm or " } else { "" }
                 ),
             ));
@@ -373,9 +378,9 @@ pub(crate) fn carriage(case: &Case) -> Result<MachineTable, CaseError> {
     if share < 0.99 * equal {
         let what = format!(
             "is {share}, but the most heavily loaded screw carries at least 1 / screws_count = {}",
-            trimmed(equal)
+            format_trimmed(equal)
         );
-        return Err(bad("load_share", what));
+        return Err(invalid_input("load_share", what));
     }
     Ok(MachineTable {
         mass: case.number(InputKey::moved_mass_kg),
@@ -394,7 +399,7 @@ fn screws_per_motor(case: &Case) -> Result<f64, CaseError> {
         [InputKey::screws_count, InputKey::screws_per_motor].map(|key| case.number(key));
     if driven > screws {
         let what = format!("is {driven}, but screws_count is {screws}");
-        return Err(bad("screws_per_motor", what));
+        return Err(invalid_input("screws_per_motor", what));
     }
     Ok(driven)
 }
@@ -422,10 +427,10 @@ pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
         let what = format!(
             "is {}, but the cycle moves over {} mm (cycle_range_mm). Shorten the phases, \
              add the return moves, or, in a cycle without acceleration, replace time_s by share",
-            trimmed(stroke / MM),
-            trimmed(range / MM)
+            format_trimmed(stroke / MM),
+            format_trimmed(range / MM)
         );
-        return Err(bad("stroke_mm", what));
+        return Err(invalid_input("stroke_mm", what));
     }
     Ok(given.or(range))
 }
@@ -474,14 +479,14 @@ pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
         (_, true, true) => {
             let what = "and screw_speed_rpm are both given, but an axis has one driven part. Give \
                         the relative speed and driven_part";
-            Err(bad("nut_speed_rpm", what))
+            Err(invalid_input("nut_speed_rpm", what))
         }
         (Some(DrivenPart::Screw), _, true) => {
-            Err(bad("nut_speed_rpm", "turns the nut, but driven_part is screw"))
+            Err(invalid_input("nut_speed_rpm", "turns the nut, but driven_part is screw"))
         }
         (Some(DrivenPart::Nut), true, _) => {
             let what = "turns the screw, but driven_part is nut. Give nut_speed_rpm or feed_m_min";
-            Err(bad("screw_speed_rpm", what))
+            Err(invalid_input("screw_speed_rpm", what))
         }
         (Some(part), ..) => Ok(part),
         (None, _, true) => Ok(DrivenPart::Nut),
@@ -542,7 +547,7 @@ pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> 
         return Ok(case.rated_dynamic_load_N);
     };
     let Some(stated) = case.rated_dynamic_load_N else {
-        return Err(bad(
+        return Err(invalid_input(
             "rating_basis",
             "needs rated_dynamic_load_N, because it states the basis of this rating",
         ));
@@ -550,7 +555,9 @@ pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> 
     match case.lead() {
         Some(lead) => Ok(Some(basis.factor(lead * MM) * stated)),
         None if basis == RatingBasis::Revolutions => Ok(Some(stated)),
-        None => Err(bad("rating_basis", "needs lead_mm to convert a travel to revolutions")),
+        None => {
+            Err(invalid_input("rating_basis", "needs lead_mm to convert a travel to revolutions"))
+        }
     }
 }
 
@@ -581,17 +588,19 @@ pub(crate) fn required_life(
         return Ok(Some(RequiredLife::Travel(1e3 * km)));
     }
     if let Some(cycles) = case.required_life_cycles {
-        let time = cycle
-            .ok_or_else(|| bad("required_life_cycles", "needs a cycle whose entries have times"))?;
+        let time = cycle.ok_or_else(|| {
+            invalid_input("required_life_cycles", "needs a cycle whose entries have times")
+        })?;
         return Ok(Some(RequiredLife::Time(cycles * time)));
     }
     if let Some(strokes) = case.required_life_strokes {
-        let stroke = stroke.ok_or_else(|| bad("required_life_strokes", "needs stroke_mm"))?;
+        let stroke =
+            stroke.ok_or_else(|| invalid_input("required_life_strokes", "needs stroke_mm"))?;
         return Ok(Some(RequiredLife::Travel(strokes * stroke)));
     }
     let Some(years) = case.required_life_years else { return Ok(None) };
     let hours = operating_hours_per_year(case).ok_or_else(|| {
-        bad("required_life_years", "needs operating_h_day and operating_days_year")
+        invalid_input("required_life_years", "needs operating_h_day and operating_days_year")
     })?;
     Ok(Some(RequiredLife::Time(HOUR * years * hours)))
 }
@@ -622,7 +631,7 @@ fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseErro
         all.iter().all(|number| number.is_finite() && *number >= 0.0)
     };
     if !rows.iter().all(is_positive) {
-        return Err(bad(NAME, "contains a number that is negative or not finite"));
+        return Err(invalid_input(NAME, "contains a number that is negative or not finite"));
     }
     let points = rows.iter().map(|row| MotorPoint {
         speed: row.speed_rpm * RPM,
@@ -630,14 +639,14 @@ fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseErro
         continuous: row.continuous_torque_Nm,
     });
     let curve = MotorCurve::new(points.collect())
-        .ok_or_else(|| bad(NAME, "needs rows in order of increasing speed_rpm"))?;
+        .ok_or_else(|| invalid_input(NAME, "needs rows in order of increasing speed_rpm"))?;
     if fastest > curve.fastest() * (1.0 + 1e-12) {
         let what = format!(
             "ends at {} rpm, but the motor turns at {} rpm",
-            trimmed(curve.fastest() / RPM),
-            trimmed(fastest / RPM)
+            format_trimmed(curve.fastest() / RPM),
+            format_trimmed(fastest / RPM)
         );
-        return Err(bad(NAME, what));
+        return Err(invalid_input(NAME, what));
     }
     Ok(Some(curve))
 }
@@ -702,7 +711,7 @@ impl Case {
         case.axial_play_um = case.axial_play_um.or(play.map(|play| play / UM));
         if let Some(preload) = preload {
             // The axis is needed only if the preload depends on the load.
-            let axis = Machine::of(&case)?.axis;
+            let axis = AxisModel::of(&case)?.axis;
             case.preload_N = Some(preload.force(axis.largest_load(), axis.dynamic_rating));
         }
         Ok(case)

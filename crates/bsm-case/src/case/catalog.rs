@@ -10,7 +10,7 @@ use crate::vocabulary::cells::Cells;
 use crate::vocabulary::error;
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
-use crate::{CaseError, Known, TableFormat, entries, nearest};
+use crate::{CaseError, NameKind, TableFormat, entries, nearest};
 
 /// Standard lists and limits as JSON text, which users can copy and edit.
 pub const STANDARD_CATALOG: &str = include_str!("catalog.json");
@@ -20,7 +20,7 @@ const MAX_COMBINATIONS: usize = 20_000_000;
 
 /// Conformity that is assumed for manufacturers' nuts, because catalogs do not state the
 /// conformity.
-const OF_MANUFACTURERS: f64 = 0.52;
+const MANUFACTURER_CONFORMITY: f64 = 0.52;
 
 /// Number of nuts that are compared in one pass of the Pareto selection.
 const CHUNK: usize = 1 << 16;
@@ -111,7 +111,7 @@ impl Catalog {
         lists.leads = all(|size| size.lead);
         lists.balls = all(|size| size.ball);
         lists.turns = all(|size| size.turns);
-        lists.conformities = vec![OF_MANUFACTURERS];
+        lists.conformities = vec![MANUFACTURER_CONFORMITY];
         limits.turns = (1.0, f64::INFINITY);
         Ok(all_sizes)
     }
@@ -183,24 +183,27 @@ impl ListEntries {
         let names = || LISTS.iter().map(|list| list.name);
         let Some((list, standard)) = names().position(|name| name == key).zip(self.0.get_mut(key))
         else {
-            return Err(CaseError::unknown(Known::List, key, nearest(key, names())));
+            return Err(CaseError::unknown(NameKind::List, key, nearest(key, names())));
         };
-        let bad = |what: &str| error::bad(key, what);
+        let invalid_input = |what: &str| error::invalid_input(key, what);
         let (many, is_range) = (standard.is_array(), key.ends_with("_range"));
         let numbers = match &value {
             Value::Array(list) if many => list.as_slice(),
             one if !many => std::slice::from_ref(one),
-            _ => return Err(bad("must be a list of numbers")),
+            _ => return Err(invalid_input("must be a list of numbers")),
         };
         let numbers: Option<Vec<_>> = numbers.iter().map(Value::as_f64).collect();
-        let numbers = numbers.ok_or_else(|| bad("contains an entry that is not a number"))?;
+        let numbers =
+            numbers.ok_or_else(|| invalid_input("contains an entry that is not a number"))?;
         for number in &numbers {
             LISTS[list].rule.check(key, *number)?;
         }
         match numbers[..] {
-            [] => return Err(bad("must not be empty")),
+            [] => return Err(invalid_input("must not be empty")),
             [low, high] if is_range && low <= high => {}
-            _ if is_range => return Err(bad("must consist of a smallest and a largest value")),
+            _ if is_range => {
+                return Err(invalid_input("must consist of a smallest and a largest value"));
+            }
             _ => {}
         }
         *standard = value;

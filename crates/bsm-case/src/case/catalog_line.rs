@@ -2,7 +2,8 @@
 //! estimated before a problem is built, so every command can use such a case.
 
 use bsm_design::{
-    CatalogLine, EstimatedGroove, GrooveEstimate, Reading, RefusedLine, beside_groove, turn_length,
+    CatalogLine, CatalogMistake, EstimatedGroove, GrooveEstimate, RejectedRow,
+    quasi_random_besides_groove, turn_length,
 };
 
 use crate::case::axis::rated_dynamic_load;
@@ -10,7 +11,7 @@ use crate::case::nut::balls_and_turns;
 use crate::case::rated_nut;
 use crate::vocabulary::entries::InputName;
 use crate::vocabulary::input_set::inputs;
-use crate::vocabulary::number::{decimal, digits, trimmed};
+use crate::vocabulary::number::{decimal, format_digits, format_trimmed};
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
@@ -32,7 +33,7 @@ const READ: InputSet = {
     let others = inputs! {
         lead_mm lead_angle_deg rated_static_load_N shaft_diameter_mm circuits_count gap_deg starts
     };
-    NEEDED.and(GROOVE).and(others)
+    NEEDED.union(GROOVE).union(others)
 };
 
 impl InputSet {
@@ -40,11 +41,11 @@ impl InputSet {
     /// the inputs of the groove that the program estimates from them.
     #[must_use]
     pub fn with_groove(self) -> Self {
-        let has_lead = self.meets(inputs! { lead_mm lead_angle_deg });
+        let has_lead = self.intersects(inputs! { lead_mm lead_angle_deg });
         if self.contains_all(NEEDED) && has_lead && self.lacks_groove() {
             let bottoms = self.contains(InputKey::groove_bottom_distance_mm);
             let angle = inputs! { contact_angle_deg };
-            self.and(if bottoms { GROOVE.without(angle) } else { GROOVE })
+            self.union(if bottoms { GROOVE.without(angle) } else { GROOVE })
         } else {
             self
         }
@@ -52,7 +53,7 @@ impl InputSet {
 
     /// Returns true if the estimate of a groove depends on at least one input of this set.
     pub fn changes_groove(self) -> bool {
-        self.meets(READ)
+        self.intersects(READ)
     }
 }
 
@@ -62,7 +63,7 @@ impl Case {
     pub fn stated_over(&self, columns: InputSet) -> InputSet {
         let given = self.stated().overridden_by(columns);
         // If circuits are given, they determine the numbers of turns and balls.
-        let lacks_groove = given.and(rated_nut::given(self)).lacks_groove();
+        let lacks_groove = given.union(rated_nut::given(self)).lacks_groove();
         let estimates = lacks_groove && self.entries.estimate_groove != Some(false);
         if estimates { given.with_groove() } else { given }
     }
@@ -120,7 +121,7 @@ impl Case {
         }
         match line.estimate() {
             Ok(estimate) => Ok(Some(estimate)),
-            Err(RefusedLine { nearest: Some(nearest), .. })
+            Err(RejectedRow { nearest: Some(nearest), .. })
                 if self.entries.keep_ratings == Some(true) =>
             {
                 Ok(Some(*nearest))
@@ -190,7 +191,7 @@ impl Case {
         let mut case = self.with(groove);
         if !case.given().has_friction() {
             let ([low, high], driven_less) = USUAL_EFFICIENCIES;
-            let efficiency = low + (high - low) * beside_groove(draw);
+            let efficiency = low + (high - low) * quasi_random_besides_groove(draw);
             case.catalog_efficiency.get_or_insert(efficiency);
             case.catalog_back_efficiency.get_or_insert(efficiency - driven_less);
         }
@@ -199,11 +200,15 @@ impl Case {
 
     /// Returns a message that explains why no groove can be estimated. The message states the given
     /// values, the nearest groove with its ratings, and possible mistakes in the data.
-    fn refusal(&self, RefusedLine { nearest, readings }: &RefusedLine) -> String {
+    fn refusal(&self, RejectedRow { nearest, mistakes }: &RejectedRow) -> String {
         let stated: Vec<_> = self.given().iter().filter(|key| READ.contains(*key)).collect();
         let stated = stated.iter().filter_map(|key| {
             let unit = key.input().unit;
-            Some(format!("{} = {} {unit}", key.name(), trimmed(self[*key]?)).trim().to_owned())
+            Some(
+                format!("{} = {} {unit}", key.name(), format_trimmed(self[*key]?))
+                    .trim()
+                    .to_owned(),
+            )
         });
         let stated = stated.collect::<Vec<_>>().join(", ");
         let nearest = match nearest {
@@ -215,35 +220,37 @@ impl Case {
                 format!(
                     "the nearest groove has {} balls of {} mm in {} turns and ratings of {:.0} N and {:.0} N",
                     groove.loaded_balls,
-                    trimmed(groove.ball_diameter / MM),
-                    digits(groove.turns, 3),
+                    format_trimmed(groove.ball_diameter / MM),
+                    format_digits(groove.turns, 3),
                     nut.dynamic_rating().rating,
                     nut.static_rating().rating
                 )
             }
         };
-        let readings: Vec<_> = readings.iter().map(|(reading, _)| words(*reading)).collect();
-        let readings = if readings.is_empty() {
+        let mistakes: Vec<_> = mistakes.iter().map(|(mistake, _)| words(*mistake)).collect();
+        let mistakes = if mistakes.is_empty() {
             String::new()
         } else {
-            format!(" A typical groove would match the ratings if {}.", readings.join(", or "))
+            format!(" A typical groove would match the ratings if {}.", mistakes.join(", or "))
         };
         format!(
-            "No typical groove has these ratings and dimensions: {stated}; {nearest}.{readings} Correct the values, give the groove in full, or set \
+            "No typical groove has these ratings and dimensions: {stated}; {nearest}.{mistakes} Correct the values, give the groove in full, or set \
              keep_ratings=true to use the nearest groove."
         )
     }
 }
 
 /// Describes a possible mistake in the catalog data.
-fn words(reading: Reading) -> &'static str {
-    match reading {
-        Reading::RatingsInKilogramForce => "the ratings were in kgf",
-        Reading::RatingsInPoundForce => "the ratings were in lbf",
-        Reading::RatingsSwapped => "the two ratings were swapped",
-        Reading::StaticRatingTimesTen => "rated_static_load_N were 10 times as large",
-        Reading::StaticRatingOverTen => "rated_static_load_N were a tenth of the given value",
-        Reading::LeadTimesTen => "lead_mm were 10 times as large",
-        Reading::LeadOverTen => "lead_mm were a tenth of the given value",
+fn words(mistake: CatalogMistake) -> &'static str {
+    match mistake {
+        CatalogMistake::RatingsInKilogramForce => "the ratings were in kgf",
+        CatalogMistake::RatingsInPoundForce => "the ratings were in lbf",
+        CatalogMistake::RatingsSwapped => "the two ratings were swapped",
+        CatalogMistake::StaticRatingTimesTen => "rated_static_load_N were 10 times as large",
+        CatalogMistake::StaticRatingOverTen => {
+            "rated_static_load_N were a tenth of the given value"
+        }
+        CatalogMistake::LeadTimesTen => "lead_mm were 10 times as large",
+        CatalogMistake::LeadOverTen => "lead_mm were a tenth of the given value",
     }
 }

@@ -3,8 +3,8 @@
 use bsm_design::{CycleTravel, DutySpeed, MachineTable, Move, ProfileSegment, phases};
 
 use crate::vocabulary::entries::Named;
-use crate::vocabulary::error::bad;
-use crate::vocabulary::number::trimmed;
+use crate::vocabulary::error::invalid_input;
+use crate::vocabulary::number::format_trimmed;
 use crate::vocabulary::phase::MoveProfile;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{Case, CaseError, InputKey, InputSet, PhaseEntry};
@@ -53,7 +53,7 @@ impl Cycle {
         let load_factor = case.number(InputKey::load_factor);
         let Some(entries) = &case.entries.cycle else {
             if case.cycles_per_hour.is_some() {
-                return Err(bad("cycles_per_hour", "needs a cycle"));
+                return Err(invalid_input("cycles_per_hour", "needs a cycle"));
             }
             let speed = match (case.feed_m_min, case.speeds_rpm()) {
                 (Some(feed), _) if case.nut_speed_rpm.is_none() => {
@@ -73,11 +73,11 @@ impl Cycle {
             return Ok(Self { segments, time: None, rest_force, notes: Vec::new() });
         };
         if entries.is_empty() {
-            return Err(bad("cycle", "needs at least one entry"));
+            return Err(invalid_input("cycle", "needs at least one entry"));
         }
         let with_share = entries.iter().filter(|entry| entry.share.is_some()).count();
         if with_share > 0 && with_share < entries.len() {
-            return Err(bad(
+            return Err(invalid_input(
                 "cycle",
                 "has entries with `share` and entries with `time_s`; use the same key in all entries",
             ));
@@ -88,7 +88,7 @@ impl Cycle {
         for (place, entry) in entries.iter().enumerate() {
             let standstill = if entry.dwell_s.is_some() { case.hold_force_N } else { None };
             let force = entry.force_N.or(standstill).unwrap_or(0.0);
-            let of_entry = SegmentMaker {
+            let of_entry = SegmentBuilder {
                 place,
                 force: [force, entry.end_force_N.unwrap_or(force)],
                 load_factor: entry.load_factor.unwrap_or(load_factor),
@@ -97,7 +97,10 @@ impl Cycle {
         }
         let sum: f64 = segments.iter().map(|segment| segment.time).sum();
         if !sum.is_finite() {
-            return Err(bad("cycle", "has times whose sum is too large; give shorter times"));
+            return Err(invalid_input(
+                "cycle",
+                "has times whose sum is too large; give shorter times",
+            ));
         }
         let rest = |time: f64| {
             let still = ProfileSegment::constant(time, DutySpeed::REST, rest_force);
@@ -105,23 +108,26 @@ impl Cycle {
         };
         if with_share > 0 {
             if case.cycles_per_hour.is_some() {
-                return Err(bad("cycles_per_hour", "needs a cycle with times instead of shares"));
+                return Err(invalid_input(
+                    "cycles_per_hour",
+                    "needs a cycle with times instead of shares",
+                ));
             }
             if sum < 1.0 - SHARE_ROUNDING {
                 segments.push(rest(1.0 - sum));
                 notes.push(format!(
                     "The shares of the cycle sum to {}. The axis is at standstill for the remaining share of {}.",
-                    trimmed(sum),
-                    trimmed(1.0 - sum)
+                    format_trimmed(sum),
+                    format_trimmed(1.0 - sum)
                 ));
             } else if (sum - 100.0).abs() <= 100.0 * SHARE_ROUNDING {
                 notes.push("The shares of the cycle are percentages.".to_owned());
             } else if sum > 1.0 + SHARE_ROUNDING {
                 let what = format!(
                     "has shares that sum to {}, but the sum must be at most 1, or 100 for percentages",
-                    trimmed(sum)
+                    format_trimmed(sum)
                 );
-                return Err(bad("cycle", what));
+                return Err(invalid_input("cycle", what));
             }
             return Ok(Self { segments, time: None, rest_force, notes });
         }
@@ -134,11 +140,11 @@ impl Cycle {
         if time < sum * (1.0 - 1e-6) {
             let what = format!(
                 "is {}, but the cycle takes {} s, so at most {} cycles per hour are possible",
-                trimmed(cycles),
-                trimmed(sum),
-                trimmed(3600.0 / sum)
+                format_trimmed(cycles),
+                format_trimmed(sum),
+                format_trimmed(3600.0 / sum)
             );
-            return Err(bad("cycles_per_hour", what));
+            return Err(invalid_input("cycles_per_hour", what));
         }
         if time > sum {
             segments.push(rest(time - sum));
@@ -192,20 +198,20 @@ fn rest_force(case: &Case, entries: &[PhaseEntry], notes: &mut Vec<String>) -> f
     }
     notes.push(format!(
         "The process force of {} N is the same in all entries of the cycle, so it also acts at rest. To change this, give hold_force_N.",
-        trimmed(force)
+        format_trimmed(force)
     ));
     force
 }
 
 /// Creates the segments of a cycle entry.
-struct SegmentMaker {
+struct SegmentBuilder {
     /// Index of the entry, starting at 0.
     place: usize,
     force: [f64; 2],
     load_factor: f64,
 }
 
-impl SegmentMaker {
+impl SegmentBuilder {
     fn segment(&self, time: f64, speeds: [DutySpeed; 2]) -> ProfileSegment {
         let Self { place, force, load_factor } = *self;
         ProfileSegment { entry: Some(place), time, speeds, force, load_factor }
@@ -259,9 +265,9 @@ impl SegmentMaker {
             (Some(time), None) => Move::in_time(size, time, ramps).map_err(|least| {
                 self.error(format!(
                     "takes at least {} s for {} mm with these accelerations, but time_s is {}",
-                    trimmed(least),
-                    trimmed(size / MM),
-                    trimmed(time)
+                    format_trimmed(least),
+                    format_trimmed(size / MM),
+                    format_trimmed(time)
                 ))
             })?,
             (None, _) => {
@@ -306,8 +312,8 @@ impl SegmentMaker {
         let other = if is_rest { DutySpeed::REST } else { other };
         let ends = if speeds_up { [other, speed] } else { [speed, other] };
         if is_known {
-            let [start, end] =
-                ends.map(|end| trimmed(end.speed(lead) * lead / std::f64::consts::TAU * 60.0));
+            let [start, end] = ends
+                .map(|end| format_trimmed(end.speed(lead) * lead / std::f64::consts::TAU * 60.0));
             notes.push(format!(
                 "Entry {} of the cycle has an acceleration, so it is a ramp from {start} to {end} m/min.",
                 self.place + 1

@@ -7,10 +7,10 @@ use bsm_design::{rod_inertia, rod_mass_per_length};
 use bsm_dyn::lubrication::Temperature;
 use serde_json::{Value, json};
 
-use crate::case::nut::OF_A_NUT;
-use crate::vocabulary::input_set::{OF_A_LUBRICANT, inputs, lead_mm};
+use crate::case::nut::NUT_ONLY_INPUTS;
+use crate::vocabulary::input_set::{LUBRICANT_INPUTS, inputs, lead_mm};
 use crate::vocabulary::names::{GivenNames, json_or_text, wrong_type};
-use crate::vocabulary::number::{short, trimmed};
+use crate::vocabulary::number::{format_short, format_trimmed};
 use crate::vocabulary::rules::Relation;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseEntries, CaseError, InputKey, InputSet, entries};
@@ -80,7 +80,7 @@ impl Case {
             };
         }
         let key = key_of(key, value.as_str());
-        if CaseEntries::have(key) {
+        if CaseEntries::has_key(key) {
             return self.entries.set(key.to_owned(), value.clone());
         }
         // The name is checked first, so that an unknown name is reported instead of a wrong type.
@@ -131,8 +131,8 @@ impl Case {
         let (mut given, mut names) = (Self::default(), GivenNames::default());
         for setting in settings {
             let text = setting.as_ref();
-            let bad = || CaseError::bad_setting(text, "name=value");
-            let (name, value) = text.split_once('=').ok_or_else(bad)?;
+            let malformed = || CaseError::bad_setting(text, "name=value");
+            let (name, value) = text.split_once('=').ok_or_else(malformed)?;
             let (name, value) = (name.trim(), value.trim());
             // In a setting such as `support=fixed-fixed`, the text value needs no quotes.
             let word = match name {
@@ -143,7 +143,7 @@ impl Case {
                 names.add(quantity, name)?;
             }
             let key = key_of(name, word.as_str());
-            if key == DESCRIPTION || CaseEntries::have(key) {
+            if key == DESCRIPTION || CaseEntries::has_key(key) {
                 given.assign_json(key, &word)?;
                 continue;
             }
@@ -175,7 +175,8 @@ impl Case {
             key.input().rule.check(key.name(), value)?;
         }
         given.check_forms()?;
-        let relations = Relation::ALL.into_iter().filter(|relation| !relation.inputs().meets(open));
+        let relations =
+            Relation::ALL.into_iter().filter(|relation| !relation.inputs().intersects(open));
         for relation in relations {
             if relation.holds(self) == Some(false) {
                 return Err(relation.broken(self));
@@ -264,8 +265,8 @@ impl Case {
         Some(format!(
             "{} is {}, but a solid steel rod of {outer_mm} mm has only {}. Check the diameter and the unit.",
             key.name(),
-            trimmed(value),
-            short(most)
+            format_trimmed(value),
+            format_short(most)
         ))
     }
 }
@@ -290,7 +291,7 @@ pub(crate) fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
 const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
     let of_an_axis = inputs! { moved_mass_kg seal_torque_Nm support_bearing_torque_Nm };
     [
-        (OF_A_NUT, "`bsm nut` includes all balls of the nut"),
+        (NUT_ONLY_INPUTS, "`bsm nut` includes all balls of the nut"),
         (of_an_axis, "the screw torque and `bsm axis` include the whole axis"),
     ]
 };
@@ -376,7 +377,7 @@ impl Case {
     }
 
     /// Returns true if the case requests its warm steady state.
-    pub fn asks_warm(&self) -> bool {
+    pub fn requests_warm_state(&self) -> bool {
         self.entries.warm_state == Some(true)
     }
 
@@ -394,7 +395,7 @@ impl Case {
     /// Returns the case without the inputs that determine friction.
     pub(crate) fn without_friction(mut self) -> Self {
         self.friction_coefficient = None;
-        for key in OF_A_LUBRICANT.iter() {
+        for key in LUBRICANT_INPUTS.iter() {
             self[key] = None;
         }
         self

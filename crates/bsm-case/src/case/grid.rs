@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::iter::repeat_n;
 use std::ops::Range;
 
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::number;
 use crate::vocabulary::units::UnitChange;
 use crate::{Case, CaseError, InputKey, InputSet, ModelChoice};
@@ -67,25 +67,25 @@ impl GridAxis {
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "name=start:stop:count, name=start:stop:count:log or name=v1,v2,... with finite numbers and a \
                     count of at least 2; both ends of a log range must be > 0";
-        let bad = || CaseError::bad_setting(text, form);
-        let (name, values) = text.split_once('=').ok_or_else(bad)?;
+        let malformed = || CaseError::bad_setting(text, form);
+        let (name, values) = text.split_once('=').ok_or_else(malformed)?;
         let number = |text: &str| text.trim().parse::<f64>().ok();
         let values = match values.split(':').collect::<Vec<_>>()[..] {
             [start, stop, count, ref spacing @ ..] => {
                 let log = match spacing {
                     [] => false,
                     [word] if word.trim() == "log" => true,
-                    _ => return Err(bad()),
+                    _ => return Err(malformed()),
                 };
-                let end = |text| number(text).ok_or_else(bad);
-                let count = count.trim().parse().map_err(|_| bad())?;
+                let end = |text| number(text).ok_or_else(malformed);
+                let count = count.trim().parse().map_err(|_| malformed())?;
                 AxisValues::Range { start: end(start)?, stop: end(stop)?, count, log }
             }
             [list] => {
                 let values: Option<_> = list.split(',').map(number).collect();
-                AxisValues::List(values.ok_or_else(bad)?)
+                AxisValues::List(values.ok_or_else(malformed)?)
             }
-            _ => return Err(bad()),
+            _ => return Err(malformed()),
         };
         Self::new(name.trim(), values)
     }
@@ -103,7 +103,7 @@ impl GridAxis {
     pub fn new(name: &str, values: AxisValues) -> Result<Self, CaseError> {
         let (key, change) = InputKey::in_unit(name)?;
         let values = values.in_unit(change);
-        let wrong = |what: String| Err(bad(key.name(), what));
+        let wrong = |what: String| Err(invalid_input(key.name(), what));
         match &values {
             AxisValues::Range { count, .. } if *count < 2 => {
                 return wrong(format!("has a range of {count} values, but must have at least 2"));
@@ -237,13 +237,13 @@ impl Grid {
     pub fn point(&self, i: usize) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.axes.len());
         for axis in 0..self.axes.len() {
-            self.fill(axis, i..i + 1, &mut values);
+            self.append_values(axis, i..i + 1, &mut values);
         }
         values
     }
 
     /// Appends the values of an axis at a range of points.
-    pub fn fill(&self, axis: usize, points: Range<usize>, to: &mut Vec<f64>) {
+    pub fn append_values(&self, axis: usize, points: Range<usize>, to: &mut Vec<f64>) {
         // Number of consecutive points that share a value of this axis.
         let run: usize = self.axes[axis + 1..].iter().map(GridAxis::len).product();
         let (axis, mut at, first) = (&self.axes[axis], points.start, points.start / run);

@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::units::{MM, UnitChange, convert};
-use crate::{CaseError, INPUTS, Known, LISTS, Rule, TableFormat, entries, nearest};
+use crate::{CaseError, INPUTS, LISTS, NameKind, Rule, TableFormat, entries, nearest};
 
 /// Sizes offered by THK (general catalog, B-584 to B-735) and HIWIN (BS-08-2, 6.4 to 6.9) as a CSV
 /// table, which users can copy and edit.
@@ -111,7 +111,7 @@ pub(crate) fn manufacturer_column(
     if let Some(word) = known().find(|word| *word == own) {
         return Ok(Some((word, UnitChange::NONE)));
     }
-    let unknown = || CaseError::unknown(Known::TableColumn, own, nearest(own, known()));
+    let unknown = || CaseError::unknown(NameKind::TableColumn, own, nearest(own, known()));
     convert(own, known()).map(Some).ok_or_else(unknown)
 }
 

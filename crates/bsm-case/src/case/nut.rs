@@ -11,5 +11,5 @@ mod train;
 pub(crate) use circuits::balls_and_turns;
 pub(crate) use friction::FrictionSource;
 pub use problem::NutProblem;
-pub(crate) use problem::{NutAtRest, NutPreload, OF_A_NUT};
-pub(crate) use train::room;
+pub(crate) use problem::{NUT_ONLY_INPUTS, NutAtRest, NutPreload};
+pub(crate) use train::room_message;

@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::case::reader::has_grooves;
-use crate::vocabulary::error::{bad, list};
+use crate::vocabulary::error::{invalid_input, list};
 use crate::vocabulary::input_set::{Form, LEAD, QuantityForms, TEMPERATURE, VISCOSITY, inputs};
 use crate::vocabulary::rules::{covered, not_covered};
 use crate::vocabulary::units::UM;
@@ -174,14 +174,14 @@ impl Settings {
     /// value out of range.
     pub fn from_json(given: &Value) -> Result<Self, CaseError> {
         if !given.is_object() && !given.is_null() {
-            return Err(bad("settings", "must be an object"));
+            return Err(invalid_input("settings", "must be an object"));
         }
         let mut keys = given.as_object().into_iter().flatten().map(|(key, _)| key);
         if let Some(key) = keys.find(|key| !Self::KEYS.contains(&key.as_str())) {
             let known = Self::KEYS.join(", ");
-            return Err(bad(key, format!("is not a setting; the settings are {known}")));
+            return Err(invalid_input(key, format!("is not a setting; the settings are {known}")));
         }
-        let wrong = |name: &str, kind| bad(name, format!("must be a {kind}"));
+        let wrong = |name: &str, kind| invalid_input(name, format!("must be a {kind}"));
         let text = |name: &str| match &given[name] {
             Value::Null => Ok(None),
             Value::String(text) => Ok(Some(text.as_str())),
@@ -296,10 +296,10 @@ impl Needs {
         const GROOVES: InputSet = inputs! { nut_conformity screw_conformity };
         let all = match model {
             Model::ClosedForm => FRICTION,
-            Model::QuasiStatic => FRICTION.and(SIZES),
-            Model::Rigid => FRICTION.and(SIZES).and(MOTION),
+            Model::QuasiStatic => FRICTION.union(SIZES),
+            Model::Rigid => FRICTION.union(SIZES).union(MOTION),
             Model::RacewayControl | Model::Elastic | Model::Traction => {
-                FRICTION.and(SIZES).and(MOTION).and(GROOVES)
+                FRICTION.union(SIZES).union(MOTION).union(GROOVES)
             }
         };
         Self { all, quantities: &[LEAD] }
@@ -327,7 +327,7 @@ impl Needs {
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let given = given.completed();
         let of_groove = lacking(self.all, self.quantities.iter(), given);
-        if given.contains_all(CATALOG_LINE) || !self.all.meets(GROOVE) {
+        if given.contains_all(CATALOG_LINE) || !self.all.intersects(GROOVE) {
             return of_groove;
         }
         let is_angle =
@@ -335,8 +335,8 @@ impl Needs {
         let others = self.quantities.iter().filter(|quantity| !is_angle(quantity));
         // The estimated groove determines the pitch circle diameter, which is needed to calculate
         // the lead angle.
-        let all = self.all.without(GROOVE).and(CATALOG_LINE);
-        let mut of_line = lacking(all, others, given.and(GROOVE));
+        let all = self.all.without(GROOVE).union(CATALOG_LINE);
+        let mut of_line = lacking(all, others, given.union(GROOVE));
         if of_line.len() >= of_groove.len() {
             return of_groove;
         }
@@ -436,7 +436,7 @@ impl ModelChoice {
             Self::Auto if given.is_lubricated() => Model::Traction,
             // With play, friction determines which flanks are in contact, so the error of a faster
             // model is unknown.
-            Self::Auto if given.meets(PLAY) && suits(&Model::Traction) => Model::Traction,
+            Self::Auto if given.intersects(PLAY) && suits(&Model::Traction) => Model::Traction,
             Self::Auto if suits(&Model::RacewayControl) => return Ok(self),
             Self::Auto => Model::ALL.into_iter().rev().find(suits).unwrap_or(Model::ClosedForm),
         };
@@ -469,11 +469,13 @@ impl ModelChoice {
     /// all points of a table use the same model. If the running contact angles are given, `auto`
     /// chooses raceway control.
     #[must_use]
-    pub fn of_motion(self, given: InputSet) -> Self {
+    pub fn for_motion(self, given: InputSet) -> Self {
         let suits = |model: &Model| Needs::for_points(*model, given).are_met(given);
         match self {
             Self::Fixed(_) => self,
-            Self::Auto if given.meets(InputSet::RUNNING_ANGLES) => Model::RacewayControl.into(),
+            Self::Auto if given.intersects(InputSet::RUNNING_ANGLES) => {
+                Model::RacewayControl.into()
+            }
             Self::Auto => Model::ALL.into_iter().rev().find(suits).map_or(self, Self::Fixed),
         }
     }
@@ -507,14 +509,14 @@ impl Case {
         ];
         let absent = of_balls.into_iter().filter(|(_, known)| !known && !listed);
         let absent: InputSet = absent.map(|(key, _)| key).collect();
-        let needs = Needs { all: Needs::NUT.all.and(absent), ..Needs::NUT };
+        let needs = Needs { all: Needs::NUT.all.union(absent), ..Needs::NUT };
         let mut missing = needs.missing(given);
         for key in absent.iter() {
             for name in missing.iter_mut().filter(|name| **name == key.name()) {
                 name.push_str(" (or circuits)");
             }
         }
-        if listed && !given.meets(PRESSED) {
+        if listed && !given.intersects(PRESSED) {
             missing.push("axial_load_N (or preload_N)".to_owned());
         }
         missing
@@ -522,7 +524,7 @@ impl Case {
 
     /// Returns true if a load or a preload is given.
     pub(crate) fn is_loaded(&self) -> bool {
-        self.given().meets(PRESSED)
+        self.given().intersects(PRESSED)
     }
 
     /// Checks that the values of the case are within the range of `model`.
@@ -553,7 +555,7 @@ impl Case {
     }
 
     /// Checks the settings and the case, and chooses the model.
-    pub(crate) fn ask(&self, settings: &Settings) -> Result<ModelChoice, CaseError> {
+    pub(crate) fn check_and_choose(&self, settings: &Settings) -> Result<ModelChoice, CaseError> {
         settings.check()?;
         self.check()?;
         self.choose(settings.model)
@@ -582,15 +584,15 @@ impl Case {
     /// missing, or if there is no warm state.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
         if self.entries.preload_class.is_some() {
-            return Err(bad(
+            return Err(invalid_input(
                 "preload_class",
                 "applies to `axis` and `nut`, but not to the models of one ball",
             ));
         }
-        if self.asks_warm() {
+        if self.requests_warm_state() {
             return self.in_warm_state(settings)?.problem(settings);
         }
-        let model = self.ask(settings)?;
+        let model = self.check_and_choose(settings)?;
         self.check_radial_gap(model)?;
         Ok(self.reader().problem(model, settings))
     }

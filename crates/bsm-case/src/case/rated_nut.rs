@@ -24,7 +24,7 @@ pub(crate) fn given(case: &Case) -> InputSet {
     let stated =
         [(InputKey::loaded_balls_per_turn, balls_per_turn), (InputKey::loaded_turns, turns)];
     let stated = stated.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key);
-    case.given().and(stated.collect())
+    case.given().union(stated.collect())
 }
 
 /// Returns the nut of a case with the data that its ratings require.

@@ -7,9 +7,9 @@ use crate::case::axis::nut_set;
 use crate::case::manufacturer_sizes::offered_sizes;
 use crate::case::nut::balls_and_turns;
 use crate::case::rated_nut;
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::input_set::inputs;
-use crate::vocabulary::number::trimmed;
+use crate::vocabulary::number::format_trimmed;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey, InputSet};
 
@@ -41,7 +41,7 @@ impl InputSet {
 
     /// Returns true if catalog ratings are given, but at least one input of the groove is missing.
     fn has_ratings_only(self) -> bool {
-        self.meets(RATINGS) && self.lacks_groove()
+        self.intersects(RATINGS) && self.lacks_groove()
     }
 }
 
@@ -70,7 +70,7 @@ impl RatedScrew {
     pub(crate) fn of(case: &Case, estimated_turns: Option<f64>) -> Result<Self, CaseError> {
         if case.rated_rigidity_N_um.is_some() && case.entries.rated_rigidity_at.is_none() {
             let what = "needs rated_rigidity_at (0.3 Ca, 0.28 Ca or preload 0.1 Ca), the load for which the catalog states the rigidity".to_owned();
-            return Err(bad("rated_rigidity_N_um", what));
+            return Err(invalid_input("rated_rigidity_N_um", what));
         }
         let nominal_mm =
             case.nominal_diameter_mm.or(case.screw_outer_diameter_mm).unwrap_or(f64::NAN);
@@ -83,7 +83,7 @@ impl RatedScrew {
             case[key].map_or_else(
                 || {
                     if !estimate.is_nan() {
-                        let (name, value) = (key.name(), trimmed(estimate / unit));
+                        let (name, value) = (key.name(), format_trimmed(estimate / unit));
                         assumed.push(format!("{name} = {value} is estimated from {by}."));
                     }
                     estimate
@@ -118,7 +118,10 @@ impl RatedScrew {
         let by = match (given_turns, estimated_turns) {
             (Some(_), _) => "loaded_turns (D10), (BB6)".to_owned(),
             (None, Some(turns)) => {
-                format!("the {} loaded turns of the estimated groove (D10), (BB6)", trimmed(turns))
+                format!(
+                    "the {} loaded turns of the estimated groove (D10), (BB6)",
+                    format_trimmed(turns)
+                )
             }
             (None, None) => {
                 let turns = NutBody::TURNS_OF_RATINGS;
@@ -152,7 +155,7 @@ impl RatedScrew {
     /// Works like [`of`](Self::of), but adds a note if the groove of the case is incomplete.
     pub(crate) fn without_groove(case: &Case) -> Result<Self, CaseError> {
         let mut size = Self::of(case, None)?;
-        if case.given().meets(inputs! { contact_angle_deg nut_conformity screw_conformity }) {
+        if case.given().intersects(inputs! { contact_angle_deg nut_conformity screw_conformity }) {
             let missing = rated_nut::NEEDS.missing(rated_nut::given(case)).join(", ");
             size.assumed.push(format!(
                 "The groove is not given in full and is ignored; missing: {missing}."

@@ -33,7 +33,7 @@ impl Case {
     /// `None` if a column changes another property of the lubricant, or if the temperature depends
     /// on the losses. Missing inputs take their default values.
     pub fn lubricant_but_for_temperature(&self, columns: InputSet) -> Option<Lubricant> {
-        if columns.iter().any(|key| InputSet::OF_ONE_LUBRICANT.contains(key)) {
+        if columns.iter().any(|key| InputSet::CONSTANT_LUBRICANT_INPUTS.contains(key)) {
             return None;
         }
         // The temperature is only a placeholder, because each row has its own temperature.

@@ -17,7 +17,7 @@ use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::names::{GivenNames, json_or_text, wrong_type};
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM, UM, convert};
-use crate::{Case, CaseError, InputKey, InputSet, Known, Settings, entries, nearest};
+use crate::{Case, CaseError, InputKey, InputSet, NameKind, Settings, entries, nearest};
 
 keys! {
     /// Numeric keys that occur only in requirements.
@@ -79,7 +79,7 @@ const NOT_OF_AXES: InputSet = inputs! {
 
 /// Inputs of screw and nut that a requirement may contain, and other inputs that are used only for
 /// the axis sheet.
-const OF_NUTS: InputSet = inputs! {
+const SHEET_INPUTS: InputSet = inputs! {
     lead_mm lead_angle_deg ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg
     nut_conformity screw_conformity loaded_turns density_kg_m3 youngs_modulus_GPa poisson_ratio
     ball_youngs_modulus_GPa ball_poisson_ratio preload_N nut_temperature_rise_K
@@ -91,16 +91,16 @@ const OF_NUTS: InputSet = inputs! {
 fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
     let of_axis = |key: &InputKey| {
         let title = key.input().title;
-        let motion = title == "operating point" && !OF_ONE_BALL.contains(*key);
+        let motion = title == "operating point" && !SINGLE_BALL_INPUTS.contains(*key);
         let of_sheet = ["lubricant", "warm state"].contains(&title);
         (title == "axis" && !NOT_OF_AXES.contains(*key)) || of_sheet || motion
     };
-    InputKey::ALL.into_iter().filter(move |key| of_axis(key) || OF_NUTS.contains(*key))
+    InputKey::ALL.into_iter().filter(move |key| of_axis(key) || SHEET_INPUTS.contains(*key))
 }
 
 /// Inputs of the single-ball models that a requirement must not contain. In a design, the number of
 /// balls follows from the turns, and the nut does not turn.
-const OF_ONE_BALL: InputSet = inputs! { loaded_balls nut_speed_rpm };
+const SINGLE_BALL_INPUTS: InputSet = inputs! { loaded_balls nut_speed_rpm };
 
 /// Text and list inputs that a requirement may contain.
 const ENTRIES_FROM_CASES: [&str; 18] = [
@@ -175,8 +175,8 @@ impl RequirementFile {
         }
         let mut set = RequirementKeys::default();
         for setting in settings {
-            let bad = || CaseError::bad_setting(setting, "name=value");
-            let (key, text) = setting.split_once('=').ok_or_else(bad)?;
+            let malformed = || CaseError::bad_setting(setting, "name=value");
+            let (key, text) = setting.split_once('=').ok_or_else(malformed)?;
             let (key, text) = (key.trim(), text.trim());
             set.assign(key, &json_or_text(text)?)?;
         }
@@ -231,7 +231,7 @@ impl RequirementKeys {
             let names = names().chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
             let names = names.chain(REQUIREMENT_CHOICES.iter().map(|(name, ..)| *name));
             let names = names.chain(ENTRIES_FROM_CASES);
-            return Err(CaseError::unknown(Known::Requirement, key, nearest(key, names)));
+            return Err(CaseError::unknown(NameKind::Requirement, key, nearest(key, names)));
         }
         self.case.assign_json(key, value)
     }

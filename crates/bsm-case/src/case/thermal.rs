@@ -6,14 +6,14 @@ use bsm_nut::thermal::{
     AxialHold, BallLink, Coolant, ScrewBar, Sinks, Surfaces, ThermalAxis, coolant_conductance,
 };
 
-use crate::case::axis::Machine;
+use crate::case::axis::AxisModel;
 use crate::vocabulary::entries::Named;
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey};
 
 /// Default temperature of the surrounding air \[°C\].
-const AIR: f64 = 20.0;
+const DEFAULT_AIR_CELSIUS: f64 = 20.0;
 
 /// Typical torques of the seals and of all support bearings of a screw with [`USUAL_DIAMETER`]
 /// \[N·m\]. For other screws, the torques are proportional to the square of the diameter.
@@ -29,7 +29,7 @@ pub(crate) fn set_temperature(case: &Case) -> f64 {
 
 /// Returns the temperature of the air minus the temperature at which the preload is set \[K\].
 pub(crate) fn air_over_set(case: &Case) -> f64 {
-    case.ambient_temperature_C.unwrap_or(AIR) + ZERO_CELSIUS - set_temperature(case)
+    case.ambient_temperature_C.unwrap_or(DEFAULT_AIR_CELSIUS) + ZERO_CELSIUS - set_temperature(case)
 }
 
 /// Returns the temperature of the structure that carries the screw bearings minus the temperature
@@ -63,21 +63,21 @@ pub(crate) fn missing_torques(case: &Case, nominal: f64) -> (f64, f64) {
 /// through a screw without a bore.
 pub(crate) fn thermal_axis(
     case: &Case,
-    machine: &Machine,
+    machine: &AxisModel,
     link: BallLink,
 ) -> Result<Option<ThermalAxis>, CaseError> {
     let (Some(shaft), Some(travel)) = (&machine.axis.shaft, machine.covered(case)?) else {
         return Ok(None);
     };
     if case.coolant_flow_l_min.is_some() && case.screw_bore_mm.is_none() {
-        return Err(bad("coolant_flow_l_min", "needs screw_bore_mm"));
+        return Err(invalid_input("coolant_flow_l_min", "needs screw_bore_mm"));
     }
     let flow = case.coolant_flow_l_min.map(|flow| {
         let coolant = case.entries.coolant.map_or(Coolant::Water, |Named(coolant)| coolant);
         coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
     });
     let hold = machine.held.map(|held| AxialHold {
-        stiffness: held.shaft.held(held.bearing),
+        stiffness: held.shaft.constraint_stiffness(held.bearing),
         pretension: held.tension(0.0),
         youngs_modulus: shaft.youngs_modulus,
         poisson_ratio: case.number(InputKey::poisson_ratio),

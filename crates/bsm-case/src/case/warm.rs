@@ -11,7 +11,7 @@ use bsm_nut::thermal::{
 };
 use bsm_nut::{Equilibrium, Support};
 
-use crate::case::axis::Machine;
+use crate::case::axis::AxisModel;
 use crate::case::file::RISES;
 use crate::case::nut::NutPreload;
 use crate::case::thermal::missing_torques;
@@ -49,7 +49,7 @@ pub(crate) struct Detail {
 
 impl Detail {
     /// Results that are needed to decide whether an axis is suitable.
-    pub(crate) const JUDGED: Self = Self { fold: true, band: false, texts: true };
+    pub(crate) const WITHOUT_BAND: Self = Self { fold: true, band: false, texts: true };
 }
 
 /// Results for a warm steady state.
@@ -99,23 +99,23 @@ impl Warm {
     /// and model traction may have no solution. The warm state is then calculated with raceway
     /// control, whose friction is limited by gross sliding (U33).
     ///
-    /// * `of_band`: function that returns those results of a state for which an uncertainty band is
+    /// * `band_values`: function that returns those results of a state for which an uncertainty band is
     ///   calculated.
     pub(crate) fn of(
         case: &Case,
         settings: &Settings,
         detail: Detail,
-        of_band: impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
+        band_values: impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
     ) -> Result<Option<Self>, CaseError> {
-        if !case.asks_warm() {
+        if !case.requests_warm_state() {
             return Ok(None);
         }
-        let found = Self::with_model(case, settings, detail, &of_band);
+        let found = Self::with_model(case, settings, detail, &band_values);
         let may_replace = settings.model == ModelChoice::Auto && case.given().is_lubricated();
         match found {
             Err(CaseError::NoWarmState(why)) if may_replace && is_without_friction(&why) => {
                 let rolling = Settings { model: Model::RacewayControl.into(), ..*settings };
-                let Ok(warm) = Self::with_model(case, &rolling, detail, &of_band) else {
+                let Ok(warm) = Self::with_model(case, &rolling, detail, &band_values) else {
                     return Err(CaseError::NoWarmState(why));
                 };
                 Ok(Some(Self { replaced: Some(why), ..warm }))
@@ -129,10 +129,10 @@ impl Warm {
         case: &Case,
         settings: &Settings,
         detail: Detail,
-        of_band: &impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
+        band_values: &impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
     ) -> Result<Self, CaseError> {
         let (settings, replaced) = (*settings, None);
-        let machine = Machine::of(case)?;
+        let machine = AxisModel::of(case)?;
         let axis = WarmAxis::of(case, &settings, &machine)?;
         let nut = axis.nut()?;
         let search = detail.fold.then(|| axis.search());
@@ -173,7 +173,7 @@ impl Warm {
             conductances: network.conductances,
             given: case.given(),
             oil: lubricated.then(|| nut.oil(&steady.rises) - ZERO_CELSIUS),
-            band: detail.band.then(|| nut.band(&steady, missing, of_band)),
+            band: detail.band.then(|| nut.band(&steady, missing, band_values)),
             steady,
         };
         Ok(Self { state: Some(state), fold, end, search, settings, replaced })
@@ -185,7 +185,7 @@ impl Warm {
         case: &Case,
         settings: &Settings,
     ) -> Result<(f64, Option<f64>, Vec<OnBranch>), CaseError> {
-        let machine = Machine::of(case)?;
+        let machine = AxisModel::of(case)?;
         let axis = WarmAxis::of(case, settings, &machine)?;
         let nut = axis.nut()?;
         let states = nut.branch(axis.search());
@@ -206,7 +206,8 @@ impl Warm {
         settings: &Settings,
         fold: bool,
     ) -> Result<Option<Self>, CaseError> {
-        let warm = Self::of(case, settings, Detail { fold, ..Detail::JUDGED }, |_, _| vec![])?;
+        let warm =
+            Self::of(case, settings, Detail { fold, ..Detail::WITHOUT_BAND }, |_, _| vec![])?;
         match warm {
             Some(Self { state: None, fold: Some(fold), .. }) => {
                 Err(CaseError::NoWarmState(Box::new(NoSteadyState::RunsAway(Box::new(fold)))))

@@ -8,7 +8,7 @@ use bsm_design::{Band, Bounds};
 use serde_json::{Map, Value, json};
 
 use crate::vocabulary::members::row;
-use crate::{DisplayUnit, Numbers, Output, OutputName, Scope, trimmed};
+use crate::{DisplayUnit, Numbers, Output, OutputName, Scope, format_trimmed};
 
 /// An answer of the program, such as an axis sheet.
 #[derive(Debug, Clone, Default)]
@@ -22,14 +22,14 @@ pub struct Answer {
     /// Warnings about the results.
     pub warnings: Vec<String>,
     /// Missing inputs that were treated as zero, each with a result that the input affects.
-    pub not_given: Vec<NotGiven>,
+    pub not_given: Vec<MissingInput>,
     /// True if there is no solution, if nothing was found, or if a rule is violated.
     pub fails: bool,
 }
 
 /// A missing input that was treated as zero, so that its contribution to a result is missing.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct NotGiven {
+pub struct MissingInput {
     /// Name of the result that the missing input affects.
     pub number: &'static str,
     /// Sentence that names the missing input and states how it was treated.
@@ -223,11 +223,11 @@ impl Criterion {
 }
 
 /// Returns limits as text, or `None` if there are none.
-pub(crate) fn limits_in_words(Bounds { least, most }: Bounds) -> Option<String> {
-    let least = least.map(|least| format!(">= {}", trimmed(least)));
-    let most = most.map(|most| format!("<= {}", trimmed(most)));
-    match (least, most) {
-        (Some(least), Some(most)) => Some(format!("{least} and {most}")),
+pub(crate) fn limits_in_words(Bounds { min, max }: Bounds) -> Option<String> {
+    let min = min.map(|min| format!(">= {}", format_trimmed(min)));
+    let max = max.map(|max| format!("<= {}", format_trimmed(max)));
+    match (min, max) {
+        (Some(min), Some(max)) => Some(format!("{min} and {max}")),
         (one, other) => one.or(other),
     }
 }
@@ -436,8 +436,10 @@ impl Answer {
             map.insert("rules".to_owned(), Table::of(&rules).to_json());
         }
         if !self.not_given.is_empty() {
-            let row =
-                |NotGiven { number, text }: &NotGiven| NotGivenRow { number, text: text.clone() };
+            let row = |MissingInput { number, text }: &MissingInput| NotGivenRow {
+                number,
+                text: text.clone(),
+            };
             let lacks: Vec<_> = self.not_given.iter().map(row).collect();
             map.insert("not_given".to_owned(), Table::of(&lacks).to_json());
         }

@@ -4,10 +4,10 @@ use bsm_design::Band;
 use serde_json::{Value, json};
 
 use super::entries::Named;
-use super::number::trimmed;
+use super::number::format_trimmed;
 use super::units::{Counterpart, UnitChange, convert_with_text, counterpart};
 use crate::{
-    Answer, Case, CaseError, ColumnValues, Content, Criterion, Known, Numbers, Section, Table,
+    Answer, Case, CaseError, ColumnValues, Content, Criterion, NameKind, Numbers, Section, Table,
     nearest,
 };
 
@@ -63,7 +63,7 @@ impl DisplayUnit {
     /// Creates a display unit that is the same as the unit of the vocabulary.
     ///
     /// * `unit`: the unit as text.
-    pub const fn own(unit: &'static str) -> Self {
+    pub const fn unchanged(unit: &'static str) -> Self {
         Self { text: unit, other: None }
     }
 
@@ -100,7 +100,7 @@ impl DisplayUnit {
     fn limit(self, text: &str) -> Option<String> {
         let (sign, number) =
             text.split_once(' ').filter(|(sign, _)| [">=", "<="].contains(sign))?;
-        Some(format!("{sign} {}", trimmed(self.value(number.parse().ok()?))))
+        Some(format!("{sign} {}", format_trimmed(self.value(number.parse().ok()?))))
     }
 
     fn json(self, value: &Value) -> Value {
@@ -128,7 +128,7 @@ impl DisplayUnits {
 
     /// Returns the displayed unit that corresponds to a unit of the vocabulary.
     pub fn of(self, unit: &'static str) -> DisplayUnit {
-        self.found(unit).unwrap_or(DisplayUnit::own(unit))
+        self.found(unit).unwrap_or(DisplayUnit::unchanged(unit))
     }
 
     fn found(self, unit: &str) -> Option<DisplayUnit> {
@@ -142,7 +142,7 @@ impl DisplayUnits {
             label.rsplit_once(", ").and_then(|(words, unit)| Some((words, self.found(unit)?)));
         match found {
             Some((words, shown)) => (format!("{words}, {}", shown.text), shown),
-            None => (label.to_owned(), DisplayUnit::own("")),
+            None => (label.to_owned(), DisplayUnit::unchanged("")),
         }
     }
 
@@ -196,8 +196,9 @@ impl ShownColumn {
             if let Some(own) = heads.iter().enumerate().find(|(_, (own, _))| own == name) {
                 return Ok(displayed(own));
             }
-            let (own, unit) = in_unit(name, names())
-                .ok_or_else(|| CaseError::unknown(Known::Column, name, nearest(name, names())))?;
+            let (own, unit) = in_unit(name, names()).ok_or_else(|| {
+                CaseError::unknown(NameKind::Column, name, nearest(name, names()))
+            })?;
             let place = names().position(|known| known == own).unwrap_or_default();
             Ok(Self { place, name: name.clone(), unit })
         };

@@ -143,7 +143,7 @@ entries! {
 
 impl CaseEntries {
     /// Returns true if an entry has this key.
-    pub(crate) fn have(key: &str) -> bool {
+    pub(crate) fn has_key(key: &str) -> bool {
         Self::KEYS.contains(&key)
     }
 

@@ -10,7 +10,7 @@ use bsm_nut::thermal::NoSteadyState;
 use thiserror::Error;
 
 use super::units::units_of_stem;
-use crate::{InputKey, OtherSeparator, exact, nearest};
+use crate::{InputKey, OtherSeparator, format_exact, nearest};
 
 /// Error in a case, a setting or a grid.
 ///
@@ -30,10 +30,10 @@ pub enum CaseError {
     #[error("is not valid JSON: {0}")]
     Syntax(#[source] serde_json::Error),
     /// The name of an input, an output or a column is unknown.
-    #[error("{} `{}`{}", known.text(), brief(name), nearest_hint(name, nearest.as_deref()))]
+    #[error("{} `{}`{}", kind.text(), brief(name), nearest_hint(name, nearest.as_deref()))]
     Unknown {
         /// Kind of the unknown name.
-        known: Known,
+        kind: NameKind,
         /// The unknown name.
         name: String,
         /// Known name that is most similar to the unknown name.
@@ -43,7 +43,7 @@ pub enum CaseError {
     #[error(transparent)]
     Separator(OtherSeparator),
     /// A number is outside its permitted range or outside the range of a model.
-    #[error("`{key}` = {} must be {rule}{}", exact(*value), for_model(*model))]
+    #[error("`{key}` = {} must be {rule}{}", format_exact(*value), for_model(*model))]
     OutOfRange {
         /// Name of the input or setting with the invalid value.
         key: String,
@@ -92,7 +92,7 @@ pub enum CaseError {
 
 /// Kinds of names that can be unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Known {
+pub enum NameKind {
     /// Names of the inputs of a case.
     Input,
     /// Names of the lists that a catalog contains.
@@ -107,7 +107,7 @@ pub enum Known {
     Output,
 }
 
-impl Known {
+impl NameKind {
     fn text(self) -> &'static str {
         match self {
             Self::Input | Self::List | Self::Requirement => "unknown key",
@@ -210,8 +210,8 @@ impl CaseError {
     }
 
     /// Creates the error for an unknown name. The message suggests the most similar known name.
-    pub(crate) fn unknown(known: Known, name: &str, nearest: Option<&str>) -> Self {
-        Self::Unknown { known, name: name.to_owned(), nearest: nearest.map(str::to_owned) }
+    pub(crate) fn unknown(kind: NameKind, name: &str, nearest: Option<&str>) -> Self {
+        Self::Unknown { kind, name: name.to_owned(), nearest: nearest.map(str::to_owned) }
     }
 
     /// Creates the error for two alternative keys that are both missing.
@@ -329,7 +329,7 @@ fn remedy_of_no_state(why: &NoSteadyState) -> &'static str {
 /// Creates the error for an invalid input.
 ///
 /// * `what`: predicate of a sentence about the key, such as "must be positive".
-pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError {
+pub(crate) fn invalid_input(key: impl Into<String>, what: impl Into<String>) -> CaseError {
     let (key, what) = (key.into(), what.into());
     CaseError::Entry { what: format!("`{key}` {what}"), key }
 }

@@ -225,7 +225,7 @@ impl Case {
     /// default.
     #[inline]
     pub fn value_or_default(&self, key: InputKey) -> Option<f64> {
-        self[key].or_else(|| self.follows(key)).or(key.input().default)
+        self[key].or_else(|| self.derived_value(key)).or(key.input().default)
     }
 
     /// Returns the value of an input, or NaN if the input has no value.

@@ -8,7 +8,7 @@ use bsm_kin::Scalar;
 use super::entries::{CaseEntries, InputName};
 use super::number::count;
 
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, INPUTS, InputKey};
 
@@ -65,12 +65,12 @@ impl InputSet {
 
     /// Returns the union of two sets.
     #[must_use]
-    pub const fn and(self, other: Self) -> Self {
+    pub const fn union(self, other: Self) -> Self {
         Self([self.0[0] | other.0[0], self.0[1] | other.0[1]])
     }
 
     /// Returns the intersection of two sets.
-    const fn common(self, other: Self) -> Self {
+    const fn intersection(self, other: Self) -> Self {
         Self([self.0[0] & other.0[0], self.0[1] & other.0[1]])
     }
 
@@ -88,12 +88,12 @@ impl InputSet {
 
     /// Returns true if the set contains all inputs of `other`.
     pub fn contains_all(self, other: Self) -> bool {
-        self.and(other) == self
+        self.union(other) == self
     }
 
     /// Returns true if the set contains any input of `other`.
-    pub fn meets(self, other: Self) -> bool {
-        self.common(other) != Self::default()
+    pub fn intersects(self, other: Self) -> bool {
+        self.intersection(other) != Self::default()
     }
 
     /// Returns an iterator over the inputs, in the order of the documentation.
@@ -114,25 +114,25 @@ impl InputSet {
     #[must_use]
     pub fn replaced(self) -> Self {
         let coefficient = inputs! { friction_coefficient };
-        let friction = match (self.meets(coefficient), self.meets(VISCOSITY.keys())) {
-            (true, false) => OF_A_LUBRICANT,
+        let friction = match (self.intersects(coefficient), self.intersects(VISCOSITY.keys())) {
+            (true, false) => LUBRICANT_INPUTS,
             (false, true) => coefficient,
             _ => Self::default(),
         };
         QUANTITIES
             .iter()
             .map(QuantityForms::keys)
-            .filter(|keys| keys.meets(self))
-            .fold(self.and(friction), Self::and)
+            .filter(|keys| keys.intersects(self))
+            .fold(self.union(friction), Self::union)
     }
 
     /// Returns the set together with the inputs that can be calculated from the inputs of the set
-    /// (see [`following`]).
+    /// (see [`derived_input`]).
     #[must_use]
     pub fn completed(self) -> Self {
         let known = |key| self.contains(key).then_some(1.0);
         let follow = [InputKey::loaded_balls, InputKey::screw_speed_rpm].into_iter();
-        self.and(follow.filter(|key| following(*key, known).is_some()).collect())
+        self.union(follow.filter(|key| derived_input(*key, known).is_some()).collect())
     }
 
     /// Returns the quantities of the set that are given in more than one form, each with two of the
@@ -163,13 +163,13 @@ impl InputSet {
     /// applied.
     #[must_use]
     pub fn overridden_by(self, settings: Self) -> Self {
-        self.without(settings.replaced()).and(settings)
+        self.without(settings.replaced()).union(settings)
     }
 }
 
 impl FromIterator<InputKey> for InputSet {
     fn from_iter<I: IntoIterator<Item = InputKey>>(keys: I) -> Self {
-        keys.into_iter().fold(Self::default(), |set, key| set.and(Self::of(&[key])))
+        keys.into_iter().fold(Self::default(), |set, key| set.union(Self::of(&[key])))
     }
 }
 
@@ -250,7 +250,7 @@ forms! {
 
 /// Returns the value of an input that is calculated from other inputs: the number of balls from the
 /// balls per turn, or the speed from the feed rate.
-pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
+pub fn derived_input(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
     use InputKey as K;
     match key {
         K::loaded_balls => {
@@ -296,7 +296,7 @@ pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f6
 
 /// Inputs that indicate that friction is calculated from a lubricant. Density and drag coefficient
 /// are not included, because the jamming analysis also uses them for dry balls.
-pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
+pub(crate) const LUBRICANT_INPUTS: InputSet = inputs! {
     iso_vg viscosity_40C_mm2_s viscosity_100C_mm2_s pressure_viscosity_1_GPa
     limiting_shear_ratio boundary_friction_coefficient lubricant_temperature_C
     heat_transfer_W_K ball_roughness_um nut_roughness_um screw_roughness_um film_factor
@@ -306,12 +306,12 @@ pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
 impl InputSet {
     /// Lubricant inputs that must be constant in a table in which only the temperature of the
     /// lubricant varies.
-    pub(crate) const OF_ONE_LUBRICANT: Self = {
+    pub(crate) const CONSTANT_LUBRICANT_INPUTS: Self = {
         // Lubricant inputs that are also valid for a dry ball.
         let more = inputs! {
             lubricant_density_kg_m3 seal_torque_Nm drag_coefficient ambient_temperature_C
         };
-        OF_A_LUBRICANT.and(more).without(inputs! { lubricant_temperature_C })
+        LUBRICANT_INPUTS.union(more).without(inputs! { lubricant_temperature_C })
     };
 
     /// Inputs that state the load and the speed of a single operating point. A cycle states the
@@ -325,7 +325,7 @@ impl InputSet {
 
     /// Returns true if friction is calculated from a lubricant.
     pub fn is_lubricated(self) -> bool {
-        self.meets(OF_A_LUBRICANT)
+        self.intersects(LUBRICANT_INPUTS)
     }
 
     /// Returns true if a friction coefficient or a lubricant is given.
@@ -338,7 +338,7 @@ impl InputSet {
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
         use InputKey as K;
         if self.contains(InputKey::friction_coefficient)
-            && let Some(key) = self.common(OF_A_LUBRICANT).iter().next()
+            && let Some(key) = self.intersection(LUBRICANT_INPUTS).iter().next()
         {
             return Err(CaseError::Invalid(format!(
                 "give either friction_coefficient or a lubricant, but friction_coefficient and {} are given",
@@ -355,7 +355,9 @@ impl InputSet {
         let half =
             pairs.into_iter().find(|[one, other]| self.contains(*one) && !self.contains(*other));
         match half {
-            Some([one, other]) => Err(bad(one.name(), format!("also needs {}", other.name()))),
+            Some([one, other]) => {
+                Err(invalid_input(one.name(), format!("also needs {}", other.name())))
+            }
             None => Ok(()),
         }
     }
@@ -367,16 +369,16 @@ impl Case {
     pub fn stated(&self) -> InputSet {
         let given = self.given();
         let listed = self.entries.circuits.as_ref().map(|_| InputKey::loaded_balls);
-        let warm = self.asks_warm() && given.is_lubricated();
+        let warm = self.requests_warm_state() && given.is_lubricated();
         let found = warm.then_some(InputKey::lubricant_temperature_C);
         let class = self.entries.contamination.as_ref().map(|_| InputKey::contamination_factor);
-        given.and(listed.into_iter().chain(found).chain(class).collect())
+        given.union(listed.into_iter().chain(found).chain(class).collect())
     }
 
     /// Returns the value of an input that is not given but follows from other inputs, from the
     /// circuits of the nut or from the manufacturing method of the screw.
     #[inline(never)]
-    pub(crate) fn follows(&self, key: InputKey) -> Option<f64> {
+    pub(crate) fn derived_value(&self, key: InputKey) -> Option<f64> {
         match (key, &self.entries) {
             (InputKey::loaded_balls, CaseEntries { circuits: Some(circuits), .. }) => {
                 let first = circuits.iter().filter(|circuit| circuit.body == 0);
@@ -387,7 +389,7 @@ impl Case {
             {
                 Some(0.4)
             }
-            _ => following(key, |key| self[key]),
+            _ => derived_input(key, |key| self[key]),
         }
     }
 
@@ -426,7 +428,7 @@ impl Case {
             estimated.retain(|InputName(key)| !given.contains(*key));
         }
         // A new load or speed replaces the cycle, which states the loads and speeds of all phases.
-        if given.meets(InputSet::LOAD_AND_SPEED) {
+        if given.intersects(InputSet::LOAD_AND_SPEED) {
             self.entries.cycle = None;
         }
         // A new preload replaces a preload class.

@@ -68,7 +68,7 @@ impl<R: Read> Lines<R> {
     /// Returns a [`TextError`] with the number of the line if the line is too long, blank, or not
     /// valid text.
     pub fn next_line(&mut self) -> Result<Option<&str>, TextError> {
-        self.next_but(|line| line.trim_ascii().is_empty())
+        self.next_line_where_blank(|line| line.trim_ascii().is_empty())
     }
 
     /// Works like [`next_line`](Self::next_line), but `is_blank` decides which lines are blank.
@@ -76,7 +76,7 @@ impl<R: Read> Lines<R> {
     /// # Errors
     ///
     /// Returns the errors of [`next_line`](Self::next_line).
-    pub fn next_but(
+    pub fn next_line_where_blank(
         &mut self,
         is_blank: impl Fn(&[u8]) -> bool,
     ) -> Result<Option<&str>, TextError> {

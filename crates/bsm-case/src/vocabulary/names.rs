@@ -6,12 +6,13 @@ use std::fmt;
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
 
-use super::error::{Known, brief};
+use super::error::{NameKind, brief};
 use super::units::{is_unit, long_name};
 use crate::{CaseEntries, CaseError, INPUTS, Output, REQUIREMENT_CHOICES};
 
 /// Description of a case for messages about invalid files.
-const OF_INPUTS: &str = "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
+const CASE_DESCRIPTION: &str =
+    "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
 
 /// Quantities that a single source specifies, such as a case, the settings of a command or the
 /// header of a table. Each quantity is stored with the name that the source uses. The source may
@@ -44,11 +45,13 @@ pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
     // Some editors write a byte order mark at the beginning of a file.
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     if json.iter().all(u8::is_ascii_whitespace) {
-        return Err(CaseError::Invalid(format!("is empty; {OF_INPUTS}")));
+        return Err(CaseError::Invalid(format!("is empty; {CASE_DESCRIPTION}")));
     }
     match json_value(json)? {
         Value::Object(entries) => Ok(entries.into_iter().collect()),
-        other => Err(CaseError::Invalid(format!("is JSON {}, but {OF_INPUTS}", kind(&other)))),
+        other => {
+            Err(CaseError::Invalid(format!("is JSON {}, but {CASE_DESCRIPTION}", kind(&other))))
+        }
     }
 }
 
@@ -174,7 +177,7 @@ pub(crate) fn unknown_key(key: &str) -> CaseError {
     }
     let synonym = SYNONYMS.iter().find(|(beginning, _)| key.starts_with(beginning));
     if let Some((_, input)) = synonym {
-        return CaseError::unknown(Known::Input, key, Some(input));
+        return CaseError::unknown(NameKind::Input, key, Some(input));
     }
     if Output::all().any(|output| output.name == key) {
         let what = format!(
@@ -182,7 +185,7 @@ pub(crate) fn unknown_key(key: &str) -> CaseError {
         );
         return CaseError::Entry { key: key.to_owned(), what };
     }
-    CaseError::unknown(Known::Input, key, nearest_input(key))
+    CaseError::unknown(NameKind::Input, key, nearest_input(key))
 }
 
 /// Returns the input whose name is most similar to `key`, if a name is similar enough.

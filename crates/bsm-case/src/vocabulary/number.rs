@@ -11,14 +11,14 @@ use bsm_design::Band;
 ///
 /// JSON output has the same digits, but whole numbers end with `.0` to distinguish them from
 /// counts.
-pub fn exact(value: f64) -> String {
+pub fn format_exact(value: f64) -> String {
     let mut text = Vec::with_capacity(24);
     // Writing to a buffer in memory cannot fail.
     let _ = write_exact(&mut text, value);
     String::from_utf8_lossy(&text).into_owned()
 }
 
-/// Writes a number in the format of [`exact`].
+/// Writes a number in the format of [`format_exact`].
 ///
 /// # Errors
 ///
@@ -35,13 +35,13 @@ pub fn write_exact(to: &mut Vec<u8>, value: f64) -> io::Result<()> {
 }
 
 /// Formats a number with five significant digits. Fixed notation is used if it is readable.
-pub fn number(value: f64) -> String {
-    digits(value, 5)
+pub fn format_number(value: f64) -> String {
+    format_digits(value, 5)
 }
 
 /// Formats a number with the given number of significant digits. Fixed notation is used if it is
 /// readable. All digits before the decimal point are shown.
-pub fn digits(value: f64, count: u8) -> String {
+pub fn format_digits(value: f64, count: u8) -> String {
     let magnitude = value.abs();
     let after = i32::from(count) - 1;
     if value == 0.0 {
@@ -55,10 +55,10 @@ pub fn digits(value: f64, count: u8) -> String {
     format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
 }
 
-/// Formats a number with at most five significant digits, like [`number`] but without trailing
+/// Formats a number with at most five significant digits, like [`format_number`] but without trailing
 /// zeros.
-pub fn trimmed(value: f64) -> String {
-    let text = number(value);
+pub fn format_trimmed(value: f64) -> String {
+    let text = format_number(value);
     if text.contains('e') || !text.contains('.') {
         return text;
     }
@@ -68,17 +68,18 @@ pub fn trimmed(value: f64) -> String {
 /// Formats a 90 % interval as " (low to high)", with three digits, or with five digits if the
 /// interval is narrow. The ends are rounded outward, so the interval in the text contains every
 /// value of the exact interval. The text is empty if there is no interval.
-pub fn interval(band: Option<Band>) -> String {
+pub fn format_interval(band: Option<Band>) -> String {
     band.map_or_else(String::new, |band| {
         let (count, Band { low, high }) = (digits_of_interval(band), band);
-        let text = |end: f64, outward: fn(f64) -> f64| digits(rounded(end, count, outward), count);
+        let text =
+            |end: f64, outward: fn(f64) -> f64| format_digits(rounded(end, count, outward), count);
         format!(" ({} to {})", text(low, f64::floor), text(high, f64::ceil))
     })
 }
 
 /// Formats a number with as many digits as its 90 % interval, followed by the interval.
-pub fn with_interval(value: f64, band: Band) -> String {
-    digits(value, digits_of_interval(band)) + &interval(Some(band))
+pub fn format_with_interval(value: f64, band: Band) -> String {
+    format_digits(value, digits_of_interval(band)) + &format_interval(Some(band))
 }
 
 /// Returns the number of digits with which an interval is shown.
@@ -88,7 +89,7 @@ fn digits_of_interval(Band { low, high }: Band) -> u8 {
     if high - low < NARROW * low.abs().max(high.abs()) { 5 } else { 3 }
 }
 
-/// Rounds a number up or down to the digits that [`digits`] shows. If the number is equal to a
+/// Rounds a number up or down to the digits that [`format_digits`] shows. If the number is equal to a
 /// number with these digits except for rounding errors, the number with these digits is returned.
 fn rounded(value: f64, count: u8, towards: fn(f64) -> f64) -> f64 {
     /// Largest rounding error, in units of the last shown digit.
@@ -105,11 +106,11 @@ fn rounded(value: f64, count: u8, towards: fn(f64) -> f64) -> f64 {
 
 /// Formats a number with two significant digits, for tables of times and errors. All digits before
 /// the decimal point are shown. Numbers below 1e-3 have an exponent.
-pub fn short(value: f64) -> String {
+pub fn format_short(value: f64) -> String {
     if value.abs() > 0.0 && value.abs() < 1e-3 {
         return format!("{value:.1e}");
     }
-    digits(value, 2)
+    format_digits(value, 2)
 }
 
 /// Rounds a dimension to a multiple of 1e-9, which removes rounding errors of unit conversions.
@@ -157,7 +158,7 @@ mod tests {
             (f64::NAN, "NaN"),
             (f64::NEG_INFINITY, "-inf"),
         ] {
-            assert_eq!(exact(value), text);
+            assert_eq!(format_exact(value), text);
             let back = text.parse::<f64>().expect("a number");
             assert!(value.is_nan() || back.to_bits() == value.to_bits());
         }
@@ -176,7 +177,7 @@ mod tests {
             (1.234e7, 2.341e7, " (1.23e7 to 2.35e7)"),
             (0.0, 3e-5, " (0 to 3.00e-5)"),
         ] {
-            assert_eq!(interval(Some(Band { low, high })), text);
+            assert_eq!(format_interval(Some(Band { low, high })), text);
         }
     }
 
@@ -191,7 +192,7 @@ mod tests {
             (-4.5e-5, "-4.5000e-5"),
             (0.000_123_456, "0.00012346"),
         ] {
-            assert_eq!(number(value), text);
+            assert_eq!(format_number(value), text);
         }
     }
 
@@ -205,7 +206,7 @@ mod tests {
             (0.0088, "0.0088"),
             (1.8e-7, "1.8e-7"),
         ] {
-            assert_eq!(short(value), text);
+            assert_eq!(format_short(value), text);
         }
     }
 }

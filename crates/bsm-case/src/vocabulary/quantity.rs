@@ -76,17 +76,17 @@ impl Quantity {
 
     /// Returns the quantity with the given name from a table. The description of its meaning is cut
     /// off at the first semicolon.
-    pub(crate) const fn said(table: &[Self], name: &str) -> Self {
+    pub(crate) const fn with_short_meaning(table: &[Self], name: &str) -> Self {
         let mut place = 0;
         loop {
             if is_same(table[place].name, name) {
-                let mut said = table[place];
+                let mut quantity = table[place];
                 let mut end = 0;
-                while end < said.about.len() && said.about.as_bytes()[end] != b';' {
+                while end < quantity.about.len() && quantity.about.as_bytes()[end] != b';' {
                     end += 1;
                 }
-                said.about = said.about.split_at(end).0;
-                return said;
+                quantity.about = quantity.about.split_at(end).0;
+                return quantity;
             }
             place += 1;
         }
@@ -104,7 +104,7 @@ impl Quantity {
             let names: Vec<_> = set.iter().map(InputKey::name).collect();
             names.join(" or ")
         };
-        self.needs.iter().filter(|set| !given.completed().meets(**set)).map(names).collect()
+        self.needs.iter().filter(|set| !given.completed().intersects(**set)).map(names).collect()
     }
 }
 
@@ -254,7 +254,7 @@ macro_rules! quantities {
         }
     };
     (@said Scalar $name:ident = $table_of:ident) => {{
-        const SAID: $crate::Quantity = $crate::Quantity::said($table_of, stringify!($name));
+        const SAID: $crate::Quantity = $crate::Quantity::with_short_meaning($table_of, stringify!($name));
         $crate::Quantity {
             columns: &[$crate::Output::of_table(SAID.name, SAID.unit, "number", SAID.about, KIND)],
             ..SAID
@@ -331,9 +331,9 @@ pub struct Row {
 pub struct Numbers {
     rows: Vec<Row>,
     /// Reason why some of the requested values are missing.
-    why: Option<String>,
+    reason: Option<String>,
     /// Names of quantities that are not shown on the screen.
-    unshown: &'static [&'static str],
+    hidden: &'static [&'static str],
 }
 
 impl Numbers {
@@ -349,7 +349,7 @@ impl Numbers {
             let values = if wanted(quantity) { read(place) } else { [None; 3] };
             Row { quantity, unit: quantity.unit, values, bands: [None; 3] }
         };
-        Self { rows: table.iter().enumerate().map(value).collect(), why: None, unshown: &[] }
+        Self { rows: table.iter().enumerate().map(value).collect(), reason: None, hidden: &[] }
     }
 
     /// Returns all quantities of a table without values.
@@ -366,7 +366,7 @@ impl Numbers {
 
     /// Keeps only the quantities that satisfy a condition.
     #[must_use]
-    pub(crate) fn part(mut self, wanted: impl Fn(&Quantity) -> bool) -> Self {
+    pub(crate) fn filter(mut self, wanted: impl Fn(&Quantity) -> bool) -> Self {
         self.rows.retain(|row| wanted(row.quantity));
         self
     }
@@ -382,14 +382,14 @@ impl Numbers {
 
     /// Returns the quantities that are shown on the screen and have a value.
     pub fn rows(&self) -> impl Iterator<Item = &Row> {
-        let is_shown = |row: &&Row| !self.unshown.contains(&row.quantity.name);
+        let is_shown = |row: &&Row| !self.hidden.contains(&row.quantity.name);
         self.rows.iter().filter(is_shown).filter(|row| row.values.iter().any(Option::is_some))
     }
 
     /// Hides the quantities with the given names from the screen.
     #[must_use]
-    pub(crate) fn hiding(self, unshown: &'static [&'static str]) -> Self {
-        Self { unshown, ..self }
+    pub(crate) fn with_hidden(self, hidden: &'static [&'static str]) -> Self {
+        Self { hidden, ..self }
     }
 
     /// Returns all columns with their values.
@@ -414,14 +414,14 @@ impl Numbers {
     }
 
     /// Returns the reason why some of the requested values are missing.
-    pub fn why(&self) -> Option<&str> {
-        self.why.as_deref()
+    pub fn reason(&self) -> Option<&str> {
+        self.reason.as_deref()
     }
 
     /// Sets the reason why some of the requested values are missing.
     #[must_use]
-    pub(crate) fn because(self, why: Option<String>) -> Self {
-        Self { why, ..self }
+    pub(crate) fn with_reason(self, reason: Option<String>) -> Self {
+        Self { reason, ..self }
     }
 
     /// Removes all values that are not finite.

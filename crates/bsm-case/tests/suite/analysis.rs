@@ -429,7 +429,9 @@ fn jamming_analysis_of_a_lubricated_ball_uses_local_friction_coefficients() {
     let report = bsm_case::jam(&oil, &solution).expect("a motion");
     let stopped = number(&report, "stopped_friction_coefficient");
     for coefficient in [film.nut.friction, film.screw.friction, stopped, 0.12] {
-        assert!(report.notes.iter().any(|note| note.contains(&bsm_case::number(coefficient))));
+        assert!(
+            report.notes.iter().any(|note| note.contains(&bsm_case::format_number(coefficient)))
+        );
     }
     // The screw slides faster on a stopped ball than on a moving ball, so the friction coefficient
     // is larger, but it remains below the limit of the oil.

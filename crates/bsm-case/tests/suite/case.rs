@@ -342,7 +342,7 @@ fn grids_are_cartesian_products_with_exact_range_ends() {
     for (first, end) in (0..=6).flat_map(|first| (first..=6).map(move |end| (first, end))) {
         for axis in 0..2 {
             let mut column = vec![f64::NAN];
-            grid.fill(axis, first..end, &mut column);
+            grid.append_values(axis, first..end, &mut column);
             let one_by_one: Vec<_> = points[first..end].iter().map(|point| point[axis]).collect();
             assert_eq!(column[1..], one_by_one, "axis {axis}, points {first} to {end}");
         }

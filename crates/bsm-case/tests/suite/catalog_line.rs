@@ -7,7 +7,7 @@ use approx::assert_relative_eq;
 use bsm_case::{
     Answer, AxisReport, Case, CaseError, ColumnValues, DRAWS, FEW_DRAWS, Fit, ManufacturerNut,
     ManufacturerRow, NutProblem, NutReport, Record, RequirementFile, Samples, Settings, Supplement,
-    TableFormat, Verdict, comparison, output, over_grooves, ratings,
+    TableFormat, Verdict, comparison, output, ratings, with_groove_intervals,
 };
 use bsm_dyn::ModelWorkspace;
 use serde_json::json;
@@ -36,7 +36,7 @@ fn motion(case: &Case) -> Answer {
         let record = Record::new(case.problem(&settings)?.solve(&mut ModelWorkspace::default()));
         Ok(record.answer("test", case, &settings, &Supplement::default()))
     };
-    over_grooves(&case, DRAWS, answer).expect("a solution")
+    with_groove_intervals(&case, DRAWS, answer).expect("a solution")
 }
 
 fn groove_error(case: &Case) -> String {
@@ -308,7 +308,7 @@ fn warm_state_from_catalog_data_has_intervals() {
     let given = line.with_groove().expect("a groove");
     let nut =
         NutProblem::of(&given, &Settings::default()).expect("a nut").solve().expect("a state");
-    let answer = NutReport::over_grooves(nut.answer(), &given, &Settings::default());
+    let answer = NutReport::with_groove_intervals(nut.answer(), &given, &Settings::default());
     assert_eq!(answer.band("nut_temperature_C"), report.answer.band("nut_temperature_C"));
 }
 
@@ -330,7 +330,7 @@ fn nonexistent_warm_state_from_catalog_data_is_reported() {
 #[test]
 fn life_does_not_depend_on_the_estimated_groove() {
     let line = case(R40, &[]).with_groove().expect("a groove");
-    let answer = over_grooves(&line, FEW_DRAWS, ratings).expect("ratings");
+    let answer = with_groove_intervals(&line, FEW_DRAWS, ratings).expect("ratings");
     assert_relative_eq!(
         answer.number(output!(dynamic_load_rating_N)).expect("a rating"),
         51_300.0,
@@ -349,7 +349,7 @@ fn life_does_not_depend_on_the_estimated_groove() {
         let problem = NutProblem::of(case, &Settings::default())?;
         Ok(problem.solve().map_err(CaseError::Nut)?.answer())
     };
-    let answer = over_grooves(&line, FEW_DRAWS, nut).expect("a nut");
+    let answer = with_groove_intervals(&line, FEW_DRAWS, nut).expect("a nut");
     // The life is (C_a/F)³ million revolutions.
     assert_relative_eq!(
         answer.number(output!(iso_life_revolutions)).expect("a life"),
@@ -482,7 +482,7 @@ fn quantiles_over_random_nuts_with_estimated_grooves_have_intervals() {
     let samples = Samples::new(&problem, 20, Some(1)).expect("random balls");
     let nuts: Vec<_> = (0..20).map(|number| samples.solve(number)).collect();
     let answer = Samples::answer(&nuts, &line);
-    let answer = Samples::over_grooves(answer, &line, &settings, 20, Some(1)).to_json();
+    let answer = Samples::with_groove_intervals(answer, &line, &settings, 20, Some(1)).to_json();
     let interval =
         &answer["groove_estimate"]["intervals"]["quantiles"]["max_contact_load_N"]["0.5"];
     let [low, high] = [0, 1].map(|end| interval[end].as_f64().expect("an interval"));
@@ -500,7 +500,7 @@ fn friction_coefficient_fitted_to_the_mean_heat_of_an_axis_has_an_interval() {
     let [found] = &report.found[..] else { panic!("{:?}", report.found) };
     let band = found.band.expect("an interval");
     assert!(band.low < found.value && found.value < band.high, "{found:?}");
-    assert_eq!(found.without, 0);
+    assert_eq!(found.grooves_without_value, 0);
     let message = fit.answer(&line, &report).to_json()["message"].to_string();
     assert!(message.contains("over the possible grooves"), "{message}");
 }
@@ -706,7 +706,7 @@ fn fitted_friction_coefficient_has_an_interval_even_if_the_case_contains_no_fric
         let fit = Fit::parse(&line, "friction_coefficient", "efficiency=0.97").expect("a fit");
         let report = fit.run(&line, &Settings::default()).expect("a value");
         let [found] = &report.found[..] else { panic!("{:?}", report.found) };
-        assert_eq!(found.without, 0);
+        assert_eq!(found.grooves_without_value, 0);
         let notes = fit.answer(&line, &report).notes;
         assert!(notes.iter().any(|note| note.contains("not the error of the measured value")));
         (found.value, found.band)

@@ -295,7 +295,7 @@ fn outputs_of_the_warm_state_are_equal_in_all_commands() {
     same(whole, parts.number(named(whole)), sheet.phases[0].number(named(whole)), 1e-9);
     // The nut of the warm state is solved again with the calculated temperatures as given inputs.
     let warm = case.in_warm_state(&settings()).expect("a state");
-    assert!(!warm.asks_warm() && warm.screw_temperature_rise_K.is_some());
+    assert!(!warm.requests_warm_state() && warm.screw_temperature_rise_K.is_some());
     let plain = NutProblem::of(&warm, &settings()).expect("a nut").solve().expect("a state");
     for name in ["warm_preload_N", "friction_torque_Nm", "life_by_balls_revolutions"] {
         same(name, plain.number(named(name)), nut.number(named(name)), 0.0);
@@ -534,7 +534,7 @@ fn selection_takes_the_warm_state_into_account() {
     let differ = [800, 1100].into_iter().any(|speed| {
         let mut cold = chosen(speed, &[]);
         let warm = chosen(speed, &["warm_state=true", "fold_search_factor=1.3"]);
-        assert!(warm.asks_warm());
+        assert!(warm.requests_warm_state());
         assert!(AxisReport::of(&warm, &settings).expect("an axis").passes());
         cold.apply(&["warm_state=true", "fold_search_factor=1.3"]).expect("settings");
         !AxisReport::of(&cold, &settings).is_ok_and(|sheet| sheet.passes())

@@ -6,8 +6,8 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use bsm_case::digits;
-use bsm_report::short;
+use bsm_case::format_digits;
+use bsm_report::format_short;
 use bsm_validate::tradeoff::{self, Distribution, Errors, Group, Points, Setting};
 use serde_json::{Value, json};
 
@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 type Blocks = Result<String, Box<dyn Error>>;
 
 /// A function that generates the text of a block.
-type Make = fn(&Program) -> Blocks;
+type Generate = fn(&Program) -> Blocks;
 
 /// The program `bsm`, with a working folder that contains the examples and the published data.
 pub(crate) struct Program {
@@ -24,7 +24,7 @@ pub(crate) struct Program {
 }
 
 /// Names of all blocks, with the functions that generate them.
-pub(crate) const BLOCKS: &[(&str, Make)] = &[
+pub(crate) const BLOCKS: &[(&str, Generate)] = &[
     ("checks", checks),
     ("accuracies", accuracies),
     ("slip-powers", slip_powers),
@@ -251,7 +251,7 @@ const CATALOG_LINE: &str = "axis examples/catalog_line.json --json";
 
 /// Formats a result of the axis analysis and its 90 % interval.
 fn with_interval(axis: &Value, name: &str, unit: &str) -> Result<[String; 2], Box<dyn Error>> {
-    let three = |value: f64| digits(value, 3);
+    let three = |value: f64| format_digits(value, 3);
     let value = three(number(&axis["results"], name)?);
     let interval = &axis["groove_estimate"]["intervals"][name];
     let end = |place: usize| interval[place].as_f64().map(three);
@@ -466,5 +466,5 @@ fn errors_row((setting, errors): &(Setting, Vec<Errors>)) -> String {
 
 /// Formats an error. If the error is below the residual of the solver, an upper limit is shown.
 fn format_error(error: f64) -> String {
-    if error < 1e-9 { "< 1e-9".to_owned() } else { short(error) }
+    if error < 1e-9 { "< 1e-9".to_owned() } else { format_short(error) }
 }

@@ -35,10 +35,10 @@ struct Source {
     /// The commands that are run, as shown by `--list`.
     commands: &'static str,
     takes: &'static str,
-    how: How,
+    generator: Generator,
 }
 
-enum How {
+enum Generator {
     /// The output of the `bsm` command shown above the block.
     Shown,
     /// The output of the `cargo test` command shown above the block.
@@ -49,11 +49,15 @@ enum How {
 }
 
 fn sources() -> Vec<Source> {
-    let source =
-        |name: &str, commands, takes, how| Source { name: name.to_owned(), commands, takes, how };
+    let source = |name: &str, commands, takes, generator| Source {
+        name: name.to_owned(),
+        commands,
+        takes,
+        generator,
+    };
     let mut all =
-        vec![source("shown", "the `bsm` commands of README and guides", "2 s", How::Shown)];
-    for (name, make) in fast::BLOCKS {
+        vec![source("shown", "the `bsm` commands of README and guides", "2 s", Generator::Shown)];
+    for (name, generate) in fast::BLOCKS {
         let (commands, takes) = match *name {
             "checks" | "groove-rates" | "groove-new-makers" | "groove-widths" => {
                 ("bsm validate", "1 s")
@@ -65,38 +69,42 @@ fn sources() -> Vec<Source> {
             "catalog-line" | "catalog-line-items" => ("bsm axis", "1 s"),
             _ => ("errors of `bsm tradeoff`", "10 s"),
         };
-        all.push(source(name, commands, takes, How::Fast(*make)));
+        all.push(source(name, commands, takes, Generator::Fast(*generate)));
     }
     all.extend([
-        source("tradeoff", "bsm tradeoff", "5 min", How::Slow(slow::tradeoff)),
-        source("many", "bsm sweep", "2 min, 2 GB of disk", How::Slow(slow::many)),
-        source("nuts", "bsm sweep, bsm nut", "15 s", How::Slow(slow::nuts)),
+        source("tradeoff", "bsm tradeoff", "5 min", Generator::Slow(slow::tradeoff)),
+        source("many", "bsm sweep", "2 min, 2 GB of disk", Generator::Slow(slow::many)),
+        source("nuts", "bsm sweep, bsm nut", "15 s", Generator::Slow(slow::nuts)),
         source(
             "catalog-line-times",
             "bsm sweep, bsm select",
             "20 s",
-            How::Slow(slow::catalog_lines),
+            Generator::Slow(slow::catalog_lines),
         ),
-        source("build", "cargo build --release", "5 min", How::Slow(slow::build)),
-        source("peers", "benches/peers/run.sh", "5 min, Python", How::Slow(slow::peers)),
+        source("build", "cargo build --release", "5 min", Generator::Slow(slow::build)),
+        source("peers", "benches/peers/run.sh", "5 min, Python", Generator::Slow(slow::peers)),
         source(
             "peers-traction",
             "benches/peers/traction.sh",
             "2 min, Python",
-            How::Slow(slow::traction_peers),
+            Generator::Slow(slow::traction_peers),
         ),
-        source("tests", "the `cargo test` commands of the documents", "an hour", How::Tests),
+        source("tests", "the `cargo test` commands of the documents", "an hour", Generator::Tests),
     ]);
     all.extend(CAMPAIGNS.iter().map(|(model, ..)| {
         let takes = "minutes to hours";
-        source(&format!("extremes-{model}"), "just extremes", takes, How::Campaign(model))
+        source(&format!("extremes-{model}"), "just extremes", takes, Generator::Campaign(model))
     }));
     all
 }
 
 impl Source {
     fn group(&self) -> &'static str {
-        if matches!(self.how, How::Shown | How::Fast(_)) { "fast" } else { "slow" }
+        if matches!(self.generator, Generator::Shown | Generator::Fast(_)) {
+            "fast"
+        } else {
+            "slow"
+        }
     }
 }
 
@@ -127,7 +135,7 @@ fn main() -> Result<ExitCode> {
     for source in all.iter().filter(asked) {
         eprintln!("{}: {} ({})", source.name, source.commands, source.takes);
         let begin = Instant::now();
-        match make(&site, source) {
+        match generate(&site, source) {
             Ok(()) => eprintln!("{}: {:.0} s", source.name, begin.elapsed().as_secs_f64()),
             Err(error) => {
                 eprintln!(
@@ -152,25 +160,25 @@ fn list() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-fn make(site: &Site, source: &Source) -> Result<()> {
-    match source.how {
-        How::Shown => outputs(site, "shown", |line, program| {
+fn generate(site: &Site, source: &Source) -> Result<()> {
+    match source.generator {
+        Generator::Shown => outputs(site, "shown", |line, program| {
             let words = bsm_arguments(line).ok_or("the line is not a bsm command")?;
             Ok(fast::fenced(&program.prints(&words)?.0))
         }),
-        How::Tests => outputs(site, "tests", |line, _| slow::test_output(site, line)),
-        How::Fast(make) => {
+        Generator::Tests => outputs(site, "tests", |line, _| slow::test_output(site, line)),
+        Generator::Fast(generate) => {
             let folder = tempfile::tempdir()?;
-            let text = make(&Program::new(site.bsm.clone(), &site.root, folder.path())?)?;
+            let text = generate(&Program::new(site.bsm.clone(), &site.root, folder.path())?)?;
             write(site, &source.name, &Text::Whole(text))
         }
-        How::Slow(make) => write_all(site, &make(site)?),
-        How::Campaign(model) => write_all(site, &slow::extremes(site, model)?),
+        Generator::Slow(generate) => write_all(site, &generate(site)?),
+        Generator::Campaign(model) => write_all(site, &slow::extremes(site, model)?),
     }
 }
 
-fn write_all(site: &Site, made: &[(&str, Text)]) -> Result<()> {
-    made.iter().try_for_each(|(name, text)| write(site, name, text))
+fn write_all(site: &Site, generated: &[(&str, Text)]) -> Result<()> {
+    generated.iter().try_for_each(|(name, text)| write(site, name, text))
 }
 
 /// Writes a new text into all blocks with the given name.

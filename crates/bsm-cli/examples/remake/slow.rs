@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use bsm_report::short;
+use bsm_report::format_short;
 use serde_json::Value;
 
 use crate::fast::table;
@@ -108,7 +108,7 @@ fn word<'a>(value: &'a Value, name: &str) -> Result<&'a str> {
 }
 
 fn micro(ns: f64) -> String {
-    short(1e-3 * ns)
+    format_short(1e-3 * ns)
 }
 
 /// Determines the fastest settings and the time per point with `bsm tradeoff`, and adds mean values
@@ -131,7 +131,7 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     // Settings that differ only in the creep speed are left out, because the creep speed does not
     // affect the computing time.
     let times = times.filter(|(setting, _)| {
-        !setting["options"].as_str().is_some_and(|options| options.starts_with("creep"))
+        !setting["options"].as_str().is_some_and(|options| options.starts_with("--creep"))
     });
     let times = times.map(times_row).collect::<Result<Vec<_>>>()?;
     let header = "| model and setting | rolling | partial skid | gross skid | all | 99 % quantile | batch: rolling | partial skid | gross skid | all | fresh | batch |";
@@ -260,7 +260,7 @@ fn parquet_bytes(folder: &Path) -> Result<f64> {
 }
 
 fn seconds(took: &RunTime) -> String {
-    format!("{} s", short(took.time.as_secs_f64()))
+    format!("{} s", format_short(took.time.as_secs_f64()))
 }
 
 /// Formats a large count in the form "10.1 million".
@@ -338,7 +338,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             millions(points / 100.0),
             seconds(&traction),
             memory(&traction),
-            short(1e6 * auto.time.as_secs_f64() / f64::from(side.pow(2))),
+            format_short(1e6 * auto.time.as_secs_f64() / f64::from(side.pow(2))),
             site.machine()?
         )),
     )])
@@ -367,7 +367,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         let time = run(rows + 2)?.time.saturating_sub(run(2)?.time);
         #[expect(clippy::cast_precision_loss, reason = "hundreds")]
         let each = 1e3 * time.as_secs_f64() / rows as f64;
-        Ok(format!("| {what} | {} ms |", short(each)))
+        Ok(format!("| {what} | {} ms |", format_short(each)))
     };
     let mut dry: Value = serde_json::from_str(&fs::read_to_string(site.root.join(AXIS))?)?;
     let inputs = dry.as_object_mut().ok_or("the case is not a JSON object")?;
@@ -462,7 +462,7 @@ pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let rows = vec![
         format!(
             "| estimate of one groove and its friction torque, one core | {} ms |",
-            short(each)
+            format_short(each)
         ),
         format!(
             "| `bsm sweep`: {count} catalog lines with intervals, two cores | {} |",
@@ -575,7 +575,7 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
             "extremes/outcomes",
             Text::Row(format!(
                 "| `{model}` | `{just}` | {converged} | {none} | {lost} | {} s |",
-                short(1e-3 * wide.slowest_ms)
+                format_short(1e-3 * wide.slowest_ms)
             )),
         ),
         ("extremes/reasons", Text::Row(format!("| `{model}` | {} |", wide.reasons().join(" | ")))),

@@ -154,7 +154,7 @@ impl Study {
                         let size = points.iter().fold(0.0, |most: f64, (_, y)| most.max(*y));
                         let quantity = y.split(',').next().unwrap_or_default();
                         let label = format!("{quantity}, {label}");
-                        self.course(name.clone(), label, &points, ROUNDING * size);
+                        self.add_curve(name.clone(), label, &points, ROUNDING * size);
                     }
                     // On a logarithmic axis, zero and values at the level of rounding errors are
                     // omitted.

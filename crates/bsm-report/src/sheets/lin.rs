@@ -10,7 +10,7 @@ use bsm_dyn::{
 };
 use bsm_kin::Site;
 
-use crate::{Curve, Figure, PlotAxis, ReportError, Stroke, short};
+use crate::{Curve, Figure, PlotAxis, ReportError, Stroke, format_short};
 
 const LEAD: (&str, &str) = ("lead_angle_deg", "lead angle, deg");
 const CONTACT: (&str, &str) = ("contact_angle_deg", "contact angle, deg");
@@ -21,7 +21,7 @@ const DIRECTIONS: [(Direction, &str, Stroke); 2] = [
 ];
 
 /// A function that returns an output of a solution. `None` leaves a gap in the curve.
-pub type Read = fn(&Solution) -> Option<f64>;
+pub type Getter = fn(&Solution) -> Option<f64>;
 
 /// Calculates an output as a function of an input. Each returned point contains the values of the
 /// input and the output.
@@ -34,14 +34,14 @@ pub fn points(
     settings: &Settings,
     input: &str,
     values: &[f64],
-    read: Read,
+    getter: Getter,
 ) -> Result<Vec<(f64, f64)>, ReportError> {
     let mut work = ModelWorkspace::default();
     let mut case = case.clone();
     let point = |value: &f64| {
         case.set(input, *value)?;
         let solution = case.problem(settings)?.solve(&mut work);
-        Ok((*value, read(&solution).unwrap_or(f64::NAN)))
+        Ok((*value, getter(&solution).unwrap_or(f64::NAN)))
     };
     values.iter().map(point).collect()
 }
@@ -56,7 +56,10 @@ pub fn points(
 /// Returns [`ReportError::Case`] if a value of the case is not permitted.
 pub fn lin_figures(case: &Case) -> Result<Vec<Figure>, ReportError> {
     let units = case.display_units();
-    Ok(around_cases(case, case)?.into_iter().map(|figure| figure.in_units(units)).collect())
+    Ok(lin_figures_with_fig5_case(case, case)?
+        .into_iter()
+        .map(|figure| figure.in_units(units))
+        .collect())
 }
 
 /// Works like [`lin_figures`], but with a separate case for Fig 5, for which the paper uses a
@@ -65,7 +68,7 @@ pub fn lin_figures(case: &Case) -> Result<Vec<Figure>, ReportError> {
 /// # Errors
 ///
 /// Returns [`ReportError::Case`] if a value of a case is not permitted.
-pub fn around_cases(case: &Case, slender: &Case) -> Result<Vec<Figure>, ReportError> {
+pub fn lin_figures_with_fig5_case(case: &Case, slender: &Case) -> Result<Vec<Figure>, ReportError> {
     let case = &forward(case);
     let mut figures = Vec::new();
     if case.suits(Model::ClosedForm) {
@@ -119,7 +122,7 @@ fn exact_and_closed(
     case: &Case,
     (input, values): (&str, &[f64]),
     (other, others): (&str, &[f64]),
-    read: Read,
+    getter: Getter,
 ) -> Result<Vec<Curve>, ReportError> {
     let mut curves = Vec::new();
     for (color, value) in others.iter().enumerate() {
@@ -127,7 +130,7 @@ fn exact_and_closed(
         case.set(other, *value)?;
         let mut add = |case: &Case, model: Model, words: &str, stroke, step| {
             let values: Vec<_> = values.iter().copied().step_by(step).collect();
-            let points = points(case, &model.into(), input, &values, read)?;
+            let points = points(case, &model.into(), input, &values, getter)?;
             curves.push(Curve::new(format!("{value} deg, {words}"), color, stroke, points));
             Ok::<_, ReportError>(())
         };
@@ -197,7 +200,7 @@ fn contact_angle(case: &Case) -> Result<Figure, ReportError> {
 
 fn normal_loads(case: &Case) -> Result<Figure, ReportError> {
     let load = case.axial_load_N.unwrap_or(1.0) / case.loaded_balls.unwrap_or(1.0);
-    let reads: [(&str, Model, Stroke, Read); 4] = [
+    let getters: [(&str, Model, Stroke, Getter); 4] = [
         ("nut and screw, closed form", Model::ClosedForm, Stroke::Solid, |o| {
             o.contact(Site::Nut)?.load
         }),
@@ -206,13 +209,13 @@ fn normal_loads(case: &Case) -> Result<Figure, ReportError> {
         ("far flank, exact", Model::Rigid, Stroke::Circles, |o| o.contact(Site::NutUnloaded)?.load),
     ];
     let mut curves = Vec::new();
-    for (i, (label, model, stroke, read)) in reads.into_iter().enumerate() {
+    for (i, (label, model, stroke, getter)) in getters.into_iter().enumerate() {
         // The curves would coincide, so their marks are drawn alternately.
         let values: Vec<_> = match stroke {
             Stroke::Solid => degrees(5..=85),
             _ => degrees(5..=85).into_iter().skip(2 * i).step_by(4).collect(),
         };
-        let mut points = points(case, &model.into(), CONTACT.0, &values, read)?;
+        let mut points = points(case, &model.into(), CONTACT.0, &values, getter)?;
         for (_, normal) in &mut points {
             *normal /= load;
         }
@@ -237,8 +240,8 @@ fn slip_angles(case: &Case) -> Result<Figure, ReportError> {
     let own = case.contact_angle_deg.unwrap_or(f64::NAN);
     let contacts = around(own, [-15.0, 15.0], (1.0, 89.0));
     let over = (LEAD.0, &degrees(1..=60)[..]);
-    let read: Read = |o| o.contact(Site::Screw)?.slip_angle.map(f64::to_degrees);
-    let mut curves = exact_and_closed(case, over, (CONTACT.0, &contacts), read)?;
+    let getter: Getter = |o| o.contact(Site::Screw)?.slip_angle.map(f64::to_degrees);
+    let mut curves = exact_and_closed(case, over, (CONTACT.0, &contacts), getter)?;
     // The curves of the other drive direction are removed, because they are equal to the remaining
     // curves except for a rotation by 180 degrees.
     curves.retain(|curve| curve.stroke != Stroke::Dashed);
@@ -314,7 +317,7 @@ fn optimum_angle(case: &Case, own: f64) -> Result<Figure, ReportError> {
                 (*lead, best.map_or(f64::NAN, |best| best.contact_angle.to_degrees()))
             };
             let points = degrees(0..=50).iter().map(best).collect();
-            let label = format!("f {}, {words}", short(friction));
+            let label = format!("f {}, {words}", format_short(friction));
             curves.push(Curve::new(label, color, stroke, points));
         }
     }
@@ -333,7 +336,7 @@ fn optimum_angle(case: &Case, own: f64) -> Result<Figure, ReportError> {
             &format!(
                 "Fig 6 of Lin et al. (1994), drawn for f = {}. The lines are the closed form, and the marks are the maxima of the exact \
              efficiency. Curves end where no contact angle reaches the optimum.",
-                short(own)
+                format_short(own)
             ),
         ],
         [PlotAxis::linear(LEAD.1), PlotAxis::linear("optimum contact angle, deg")],
@@ -376,7 +379,7 @@ fn self_locking(own: f64) -> Figure {
                 (lead, limit.map_or(f64::NAN, f64::to_degrees))
             };
             curves.push(Curve::new(
-                format!("f {}, {words}", short(friction)),
+                format!("f {}, {words}", format_short(friction)),
                 color,
                 stroke,
                 (0..=340).map(|quarter| limit(0.25 * f64::from(quarter))).collect(),
@@ -390,7 +393,7 @@ fn self_locking(own: f64) -> Figure {
             &format!(
                 "Fig 7 of Lin et al. (1994), drawn for f = {}. Below a solid line, the screw cannot be turned against the \
              load (a); above a dashed line, the load cannot turn the screw (b).",
-                short(own)
+                format_short(own)
             ),
         ],
         [PlotAxis::linear(LEAD.1), PlotAxis::linear("contact angle, deg")],

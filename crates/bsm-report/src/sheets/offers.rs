@@ -1,6 +1,6 @@
 //! Comparison of two offers for a screw on one page.
 
-use bsm_case::{Answer, Column, Content, DisplayUnits, Table, digits, interval};
+use bsm_case::{Answer, Column, Content, DisplayUnits, Table, format_digits, format_interval};
 use serde_json::{Value, json};
 
 use crate::{Page, ReportError};
@@ -70,7 +70,7 @@ fn table_of(title: &str, table: &Table, names: [&str; 2]) -> Value {
                 Value::Null => String::new(),
                 Value::String(text) => text.clone(),
                 other => match other.as_f64() {
-                    Some(number) => digits(number, DIGITS) + &interval(band),
+                    Some(number) => format_digits(number, DIGITS) + &format_interval(band),
                     None => other.to_string(),
                 },
             };

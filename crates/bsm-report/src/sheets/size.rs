@@ -6,14 +6,16 @@ use std::f64::consts::TAU;
 use bsm_case::units::label;
 use bsm_case::{
     Answer, AxisReport, Content, Criterion, DisplayUnit, GrooveSection, Numbers, OutputName,
-    Quantity, Row, ScrewTorque, TableFormat, Verdict, digits, exact, interval, output, trimmed,
-    with_interval,
+    Quantity, Row, ScrewTorque, TableFormat, Verdict, format_digits, format_exact, format_interval,
+    format_trimmed, format_with_interval, output,
 };
 use serde_json::{Value, json};
 
 use super::warm::warm_figures;
 use crate::plots::text_of_table;
-use crate::{Curve, Figure, PROGRAM, Page, PlotAxis, ReportError, Stroke, number as text_of};
+use crate::{
+    Curve, Figure, PROGRAM, Page, PlotAxis, ReportError, Stroke, format_number as text_of,
+};
 
 /// Number of points of a limit curve in the speed-load diagram.
 const POINTS: u32 = 60;
@@ -102,7 +104,7 @@ pub fn size_results(report: &AxisReport) -> Value {
 /// Returns [`ReportError::Table`] if the table cannot be written.
 pub fn size_table(report: &AxisReport, format: &TableFormat) -> Result<String, ReportError> {
     let report = &report.displayed();
-    let exact = |number: f64| exact(number).replace('.', &format.decimal.to_string());
+    let exact = |number: f64| format_exact(number).replace('.', &format.decimal.to_string());
     let text = |number: Option<f64>| number.map_or_else(String::new, exact);
     let delimiter = u8::try_from(format.delimiter).unwrap_or(b',');
     let mut table = csv::WriterBuilder::new().delimiter(delimiter).from_writer(Vec::new());
@@ -112,7 +114,7 @@ pub fn size_table(report: &AxisReport, format: &TableFormat) -> Result<String, R
     table.write_record(head.chain(["unit", "limit", "margin", "verdict", "source"]))?;
     for rule in &report.answer.rules {
         let ends = [rule.band.map(|band| band.low), rule.band.map(|band| band.high)].map(text);
-        let value = exact(rule.value);
+        let value = format_exact(rule.value);
         let numbers = std::iter::once(&value).chain(ends.iter().filter(|_| is_estimated));
         let [limit, margin] = [text(rule.limit), text(rule.margin())];
         let verdict = rule.limit.map_or("", |_| rule.verdict().word());
@@ -224,7 +226,7 @@ fn equations(rules: &[Criterion]) -> String {
 /// also the value at the end.
 fn process_force(report: &AxisReport, phase: &ScrewTorque) -> Option<String> {
     let unit = report.case.display_units().of("N");
-    let text = |force: f64| digits(unit.value(force), DIGITS[1]);
+    let text = |force: f64| format_digits(unit.value(force), DIGITS[1]);
     let Some(cycle) = &report.case.entries.cycle else { return report.case.axial_load_N.map(text) };
     let entry = (1..)
         .zip(cycle)
@@ -240,9 +242,9 @@ fn process_force(report: &AxisReport, phase: &ScrewTorque) -> Option<String> {
 fn rule_row((rule, row): (&Criterion, &Value)) -> Value {
     let mut row = row.clone();
     row["must_be"] = json!(if rule.at_least { "≥" } else { "≤" });
-    let value = || digits(rule.value, DIGITS[1]) + &interval(rule.band);
+    let value = || format_digits(rule.value, DIGITS[1]) + &format_interval(rule.band);
     row["value"] = json!(rule.value.is_finite().then(value));
-    row["limit"] = json!(rule.limit.map(trimmed));
+    row["limit"] = json!(rule.limit.map(format_trimmed));
     row
 }
 
@@ -256,21 +258,21 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
         && !estimated.into_iter().any(|name| name == quantity.name);
     let [friction, formula, geometry] = DIGITS;
     match quantity.title {
-        _ if is_given => trimmed(value),
+        _ if is_given => format_trimmed(value),
         // Efficiencies are excluded, because the relative error of an efficiency is smaller than
         // the relative error of the power loss.
         _ if quantity.follows_from_friction() && !quantity.unit.is_empty() => {
-            digits(value, friction)
+            format_digits(value, friction)
         }
         // The heat transfer coefficient and the temperature rises are based on estimated
         // conductances, which have a large relative error (a factor of 1.4 to 3).
         _ if quantity.name == "axis_heat_transfer_W_K"
             || quantity.name.starts_with("steady_temperature_rise") =>
         {
-            digits(value, friction)
+            format_digits(value, friction)
         }
-        "screw and nut" => digits(value, geometry),
-        _ => digits(value, formula),
+        "screw and nut" => format_digits(value, geometry),
+        _ => format_digits(value, formula),
     }
 }
 
@@ -288,7 +290,7 @@ fn phase_row(report: &AxisReport, place: usize) -> Value {
             Some(Content::Table(phases)) => phases.band(place, name.name()),
             _ => None,
         };
-        phase.number(name).map(|value| digits(value, DIGITS[1]) + &interval(band))
+        phase.number(name).map(|value| format_digits(value, DIGITS[1]) + &format_interval(band))
     };
     let mut values = COLUMNS.map(shown).to_vec();
     values.insert(1, process_force(report, phase));
@@ -310,7 +312,7 @@ fn number_row(
 ) -> Value {
     let Quantity { about, symbol, .. } = quantity;
     let text = values[0].map(|value| match bands[0] {
-        Some(band) => with_interval(value, band),
+        Some(band) => format_with_interval(value, band),
         None => deserved(quantity, value, inputs),
     });
     let mut estimated = inputs["estimated_inputs"].as_array().into_iter().flatten();
@@ -323,7 +325,11 @@ fn number_row(
 /// Formats an input as it was entered, or with five digits if its unit is converted.
 fn number_text(value: f64, shown: DisplayUnit) -> String {
     let displayed = shown.value(value);
-    if displayed.to_bits() == value.to_bits() { exact(value) } else { trimmed(displayed) }
+    if displayed.to_bits() == value.to_bits() {
+        format_exact(value)
+    } else {
+        format_trimmed(displayed)
+    }
 }
 
 /// Returns the given inputs, followed by the results grouped by title.

@@ -220,7 +220,7 @@ impl Study {
             let efficiency = |(x, state): &Point| (*x, state.as_ref().map_or(f64::NAN, |s| s.1));
             let points: Vec<_> = points.iter().map(efficiency).collect();
             let name = format!("{}-efficiency", sweep.0);
-            study.course(name, "efficiency".to_owned(), &points, 1e-9);
+            study.add_curve(name, "efficiency".to_owned(), &points, 1e-9);
         }
         if solution.model != Model::Rigid {
             study.speeds(case, settings, work)?;
@@ -252,14 +252,14 @@ impl Study {
             let points: Vec<_> = points.iter().map(read).collect();
             let name = format!("{sweep}-{name}");
             if !between {
-                self.course(
+                self.add_curve(
                     format!("{name}-{place}"),
                     format!("{label} {place}"),
                     &points,
                     rounding,
                 );
             } else if place == "nut" {
-                self.course(name, label.to_owned(), &points, rounding);
+                self.add_curve(name, label.to_owned(), &points, rounding);
             }
             // Values that consist only of rounding errors are left out, because a logarithmic axis
             // cannot show zero.
@@ -307,7 +307,12 @@ impl Study {
         let mut curves = Vec::new();
         for (color, (place, points)) in ["nut", "screw"].into_iter().zip(angles).enumerate() {
             let label = format!("at the {place}");
-            self.course(format!("speed-{place}"), format!("contact angle {label}"), &points, 1e-9);
+            self.add_curve(
+                format!("speed-{place}"),
+                format!("contact angle {label}"),
+                &points,
+                1e-9,
+            );
             curves.extend(line(&label, color, Stroke::Solid, points, f64::NEG_INFINITY));
         }
         let caption = format!(

@@ -8,7 +8,7 @@ use crate::{Curve, Figure, ReportError, Stroke};
 
 /// A named curve of a sweep, with all its points in ascending order of x.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Course {
+pub struct NamedCurve {
     /// Name of the curve. Curves of the same quantity for different loads, speeds or settings have
     /// the same name.
     pub name: String,
@@ -26,12 +26,12 @@ pub struct Study {
     /// The figures of the analysis.
     pub figures: Vec<Figure>,
     /// Named curves from which published trends are checked.
-    pub courses: Vec<Course>,
+    pub named_curves: Vec<NamedCurve>,
 }
 
 impl Study {
     /// Adds a named curve if it has any points.
-    pub(super) fn course(
+    pub(super) fn add_curve(
         &mut self,
         name: String,
         label: String,
@@ -39,7 +39,7 @@ impl Study {
         rounding: f64,
     ) {
         if points.iter().any(|(_, y)| y.is_finite()) {
-            self.courses.push(Course { name, label, points: points.to_vec(), rounding });
+            self.named_curves.push(NamedCurve { name, label, points: points.to_vec(), rounding });
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Figures for a table of nuts: ratings, stiffness, mass, life and torque as functions of the size.
 
-use bsm_case::{ManufacturerRow, trimmed};
+use bsm_case::{ManufacturerRow, format_trimmed};
 
 use crate::{Curve, Figure, MAX_CURVES, PlotAxis, Stroke};
 
@@ -69,7 +69,7 @@ pub fn table_figures(rows: &[&ManufacturerRow]) -> Vec<Figure> {
         let left_out = leads.len().saturating_sub(MAX_CURVES);
         let curve = |(color, lead): (usize, &f64)| {
             let same = points.iter().filter(|(own, _)| own.to_bits() == lead.to_bits());
-            let label = format!("lead {} mm", trimmed(*lead));
+            let label = format!("lead {} mm", format_trimmed(*lead));
             Curve::new(label, color, Stroke::Circles, same.map(|(_, point)| *point).collect())
         };
         let curves = leads.iter().take(MAX_CURVES).enumerate().map(curve).collect();

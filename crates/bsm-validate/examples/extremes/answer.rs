@@ -26,15 +26,15 @@ const ROUNDING: f64 = 1e-14;
 
 /// Severity of an outcome, from the mildest to the most severe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Order {
+pub(crate) enum Severity {
     Converged,
     NoSolution,
     Invalid,
     NotConverged,
-    False,
+    Wrong,
 }
 
-impl From<Status> for Order {
+impl From<Status> for Severity {
     fn from(status: Status) -> Self {
         match status {
             Status::Converged => Self::Converged,
@@ -47,7 +47,7 @@ impl From<Status> for Order {
 
 /// Outcome of solving a point.
 pub(crate) struct Answer {
-    pub(crate) order: Order,
+    pub(crate) severity: Severity,
     /// Kind of outcome: the status, followed by the slip regime or by the reason.
     pub(crate) kind: String,
     /// Message of the program about the point.
@@ -62,18 +62,18 @@ pub(crate) struct Answer {
 }
 
 impl Answer {
-    fn new(order: Order, kind: String) -> Self {
+    fn new(severity: Severity, kind: String) -> Self {
         let (words, residual, balance, time) = (String::new(), 0.0, 0.0, Duration::ZERO);
-        Self { order, kind, words, residual, others: None, balance, time, efficiency: None }
+        Self { severity, kind, words, residual, others: None, balance, time, efficiency: None }
     }
 
     fn mark_as_false(&mut self, what: &str) {
-        (self.order, self.kind) = (Order::False, format!("false {what}"));
+        (self.severity, self.kind) = (Severity::Wrong, format!("false {what}"));
     }
 
     fn mark_sensitivities_as_missing(&mut self, reason: &Reason) {
         let kind = format!("converged, no sensitivities: {}", name(reason));
-        (self.order, self.kind) = (Order::NotConverged, kind);
+        (self.severity, self.kind) = (Severity::NotConverged, kind);
     }
 }
 
@@ -81,14 +81,14 @@ impl Answer {
 pub(crate) fn classify(case: &Case, model: ModelChoice, work: &mut ModelWorkspace) -> Answer {
     let problem = match case.problem(&settings(model)) {
         Ok(problem) => problem,
-        Err(error) => return Answer::new(Order::Invalid, format!("invalid_input: {error}")),
+        Err(error) => return Answer::new(Severity::Invalid, format!("invalid_input: {error}")),
     };
     let begin = Instant::now();
     let solved = catch_unwind(AssertUnwindSafe(|| problem.solve(work)));
     let time = begin.elapsed();
     let Ok(solution) = solved else {
         *work = ModelWorkspace::default();
-        return Answer::new(Order::False, "panic".to_owned());
+        return Answer::new(Severity::Wrong, "panic".to_owned());
     };
     let reason = solution.reason().map(name).unwrap_or_default();
     let others = solution.solved().and_then(|solved| Some(solved.alternatives?.count));
@@ -123,7 +123,7 @@ pub(crate) fn with_sensitivities(
     answer: &mut Answer,
     work: &mut ModelWorkspace,
 ) {
-    if answer.order != Order::Converged {
+    if answer.severity != Severity::Converged {
         return;
     }
     let asked = Sensitivities::of(case, &settings(model)).expect("the point was solved");
@@ -170,9 +170,11 @@ pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer
         let alike = (eta - known).abs() <= BATCH * known.abs() + ROUNDING;
         if answer.kind == ROUNDED && verdict.status == Status::Converged {
             answer.kind.push_str(", but solved in the batch");
-        } else if answer.order < Order::False && Order::from(verdict.status) != answer.order {
+        } else if answer.severity < Severity::Wrong
+            && Severity::from(verdict.status) != answer.severity
+        {
             answer.mark_as_false("status in the batch");
-        } else if answer.order == Order::Converged && !alike {
+        } else if answer.severity == Severity::Converged && !alike {
             answer.mark_as_false("efficiency in the batch");
         }
     }

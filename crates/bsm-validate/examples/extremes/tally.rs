@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use bsm_case::{Case, ModelChoice};
 
-use crate::answer::{Answer, Order, inertia};
+use crate::answer::{Answer, Severity, inertia};
 
 /// Maximum number of cases that are written for each kind of anomaly.
 const EACH: usize = 5;
@@ -31,7 +31,7 @@ struct Kind {
 #[derive(Default)]
 pub(crate) struct Tally {
     points: usize,
-    kinds: BTreeMap<(Order, String), Kind>,
+    kinds: BTreeMap<(Severity, String), Kind>,
     /// Numbers of converged points with further solutions, without further solutions, and without a
     /// search for further solutions.
     others: [usize; 3],
@@ -43,14 +43,14 @@ pub(crate) struct Tally {
 impl Tally {
     pub(crate) fn add(&mut self, number: usize, case: &Case, answer: &Answer) {
         self.points += 1;
-        let kind = self.kinds.entry((answer.order, answer.kind.clone())).or_default();
+        let kind = self.kinds.entry((answer.severity, answer.kind.clone())).or_default();
         let inertia = inertia(case);
         kind.counts[BANDS.iter().filter(|end| inertia >= **end).count()] += 1;
-        if answer.order >= Order::NotConverged && kind.cases.len() < EACH {
+        if answer.severity >= Severity::NotConverged && kind.cases.len() < EACH {
             let description = Some(format!("extremes, point {number}: {}", answer.words));
             kind.cases.push((number, Case { description, ..case.clone() }));
         }
-        if answer.order == Order::Converged {
+        if answer.severity == Severity::Converged {
             self.others[answer.others.map_or(2, |others| usize::from(others == 0))] += 1;
         }
         self.worst((answer.residual, number), (answer.balance, number), (answer.time, number));
@@ -89,7 +89,9 @@ impl Tally {
 
     /// Returns true if no result is wrong and no point is invalid.
     pub(crate) fn is_sound(&self) -> bool {
-        self.kinds.keys().all(|(order, _)| !matches!(order, Order::False | Order::Invalid))
+        self.kinds
+            .keys()
+            .all(|(severity, _)| !matches!(severity, Severity::Wrong | Severity::Invalid))
     }
 
     /// Writes a case file for each anomaly that was stored.

@@ -56,7 +56,7 @@ fn pick(
     tolerance: f64,
     time: fn(&OneCore) -> f64,
 ) -> Option<Pick> {
-    const HARDLY: f64 = 1.2;
+    const TIME_TOLERANCE: f64 = 1.2;
     let timed: Vec<_> = settings
         .iter()
         .filter(|result| is_within(result, group, tolerance))
@@ -67,7 +67,7 @@ fn pick(
         let errors = result.errors_of(group).and_then(|errors| errors.efficiency);
         errors.map_or(f64::INFINITY, |e| e.q99)
     };
-    let near = timed.into_iter().filter(|(_, ns)| *ns <= HARDLY * least);
+    let near = timed.into_iter().filter(|(_, ns)| *ns <= TIME_TOLERANCE * least);
     let (result, ns) = near.min_by(|a, b| error(a.0).total_cmp(&error(b.0)))?;
     let fails = |errors: &&Errors| errors.group != Group::All && !within(errors, tolerance);
     let fails_where = result.errors.iter().filter(fails).map(|errors| errors.group).collect();

@@ -90,7 +90,7 @@ const ROWS: usize = 64;
 
 /// A kind of time that is measured for a setting. The number in `Batch` is the index of a group.
 #[derive(Debug, Clone, Copy)]
-enum Way {
+enum TimeKind {
     Single,
     Row,
     Batch(usize),
@@ -109,7 +109,7 @@ pub(super) fn times(
     let bench = Bench::new(points, groups)?;
     let jobs: Vec<_> = settings
         .iter()
-        .flat_map(|setting| ways(setting, groups.len()).map(move |way| (setting, way)))
+        .flat_map(|setting| time_kinds(setting, groups.len()).map(move |kind| (setting, kind)))
         .collect();
     let mut measured = vec![Vec::with_capacity(ROUNDS); jobs.len()];
     let mut work = ModelWorkspace::default();
@@ -122,16 +122,18 @@ pub(super) fn times(
     let medians: Vec<_> = measured.iter().map(|rounds| medians(rounds)).collect();
     let mut all = Vec::with_capacity(settings.len());
     for setting in settings {
-        let of = |wanted: fn(&Way) -> bool| {
+        let of = |wanted: fn(&TimeKind) -> bool| {
             jobs.iter()
                 .zip(&medians)
-                .filter(move |((other, way), _)| *other == setting && wanted(way))
-                .map(|((_, way), times)| (way, times.as_slice()))
+                .filter(move |((other, kind), _)| *other == setting && wanted(kind))
+                .map(|((_, kind), times)| (kind, times.as_slice()))
         };
         let each = |wanted| of(wanted).next().map_or(&[][..], |(_, times)| times);
-        let (single, row) =
-            (each(|way| matches!(way, Way::Single)), each(|way| matches!(way, Way::Row)));
-        let batches = of(|way| matches!(way, Way::Batch(_)));
+        let (single, row) = (
+            each(|kind| matches!(kind, TimeKind::Single)),
+            each(|kind| matches!(kind, TimeKind::Row)),
+        );
+        let batches = of(|kind| matches!(kind, TimeKind::Batch(_)));
         let work = bench.work(setting, &mut work)?;
         let one_core = groups.iter().zip(batches).map(|((group, places), (_, batch))| {
             let over = |of: &dyn Fn(usize) -> Option<f64>| {
@@ -153,10 +155,10 @@ pub(super) fn times(
         });
         all.push(Times {
             one_core: one_core.flatten().collect(),
-            all_cores: each(|way| matches!(way, Way::AllCores))[0],
-            instruction_sets: of(|way| matches!(way, Way::On(_)))
-                .filter_map(|(way, times)| match way {
-                    Way::On(arch) => Some((bsm_simd::name(*arch), times[0])),
+            all_cores: each(|kind| matches!(kind, TimeKind::AllCores))[0],
+            instruction_sets: of(|kind| matches!(kind, TimeKind::On(_)))
+                .filter_map(|(kind, times)| match kind {
+                    TimeKind::On(arch) => Some((bsm_simd::name(*arch), times[0])),
                     _ => None,
                 })
                 .collect(),
@@ -165,10 +167,11 @@ pub(super) fn times(
     Ok(all)
 }
 
-fn ways(setting: &Setting, groups: usize) -> impl Iterator<Item = Way> {
+fn time_kinds(setting: &Setting, groups: usize) -> impl Iterator<Item = TimeKind> {
     let lanes = is_quick(&setting.settings).then(bsm_simd::instruction_sets).unwrap_or_default();
-    let each = [Way::Single, Way::Row].into_iter().chain((0..groups).map(Way::Batch));
-    each.chain([Way::AllCores]).chain(lanes.into_iter().map(Way::On))
+    let each =
+        [TimeKind::Single, TimeKind::Row].into_iter().chain((0..groups).map(TimeKind::Batch));
+    each.chain([TimeKind::AllCores]).chain(lanes.into_iter().map(TimeKind::On))
 }
 
 /// Returns true if solving a table takes only nanoseconds per point.
@@ -238,7 +241,7 @@ impl<'a> Bench<'a> {
     fn time(
         &self,
         setting: &Setting,
-        way: Way,
+        kind: TimeKind,
         work: &mut ModelWorkspace,
     ) -> Result<Vec<f64>, CaseError> {
         let settings = &setting.settings;
@@ -254,23 +257,23 @@ impl<'a> Bench<'a> {
                 Ok(())
             })
         };
-        match way {
-            Way::Single => {
+        match kind {
+            TimeKind::Single => {
                 let cases = &self.points.cases;
                 per_point(cases.len(), 1, |place| {
                     let _ = black_box(black_box(&cases[place]).problem(settings)?.solve(work));
                     Ok(())
                 })
             }
-            Way::Row => self.one_core.install(|| {
+            TimeKind::Row => self.one_core.install(|| {
                 per_point(self.rows.len(), ROWS, |place| {
                     solve(Arch::new(), &self.rows[place]);
                     Ok(())
                 })
             }),
-            Way::Batch(place) => self.one_core.install(|| batch(Arch::new(), &tables[place])),
-            Way::AllCores => self.all_cores.install(|| batch(Arch::new(), &tables[0])),
-            Way::On(arch) => self.one_core.install(|| batch(arch, &tables[0])),
+            TimeKind::Batch(place) => self.one_core.install(|| batch(Arch::new(), &tables[place])),
+            TimeKind::AllCores => self.all_cores.install(|| batch(Arch::new(), &tables[0])),
+            TimeKind::On(arch) => self.one_core.install(|| batch(arch, &tables[0])),
         }
     }
 }

@@ -38,7 +38,7 @@ fn figure(
         // Settings that change the creep speed are left out, because their marks would coincide
         // with the marks of settings that change the accuracy. Errors of zero are left out, because
         // a logarithmic axis cannot show them.
-        if result.setting.options.starts_with("creep") || error.q99 == 0.0 {
+        if result.setting.options.starts_with("--creep") || error.q99 == 0.0 {
             continue;
         }
         let name = result.setting.model.to_owned();

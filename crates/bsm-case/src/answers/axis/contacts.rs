@@ -29,7 +29,7 @@ impl Contacts {
     }
 
     /// Creates a result without a friction torque. `text` states the reason.
-    fn none(text: String) -> Self {
+    pub(super) fn none(text: String) -> Self {
         Self { friction: None, at_raceways: [0.0; 2], third: None, text }
     }
 }

@@ -1,7 +1,7 @@
 //! Motor of an axis, and motion of the load after a loss of motor power.
 
 use bsm_design::{
-    BackDriving, DriveTrain, Fall, PhasePoint, least_acceleration_time, speed_jumps,
+    BackDrivenScrew, BackDriving, DriveTrain, PhasePoint, least_acceleration_time, speed_jumps,
     stopping_distance,
 };
 use bsm_dyn::ModelWorkspace;
@@ -9,9 +9,9 @@ use bsm_dyn::ModelWorkspace;
 use super::contacts::{self, contacts};
 use super::state::AxisState;
 use super::torques::{PhaseTorques, Torques};
-use crate::case::axis::Machine;
+use crate::case::axis::AxisModel;
 use crate::vocabulary::units::{MM, RPM};
-use crate::{Case, InputKey, trimmed};
+use crate::{Case, InputKey, format_trimmed};
 
 /// Effect of the load at standstill on the screw after a loss of motor power.
 pub(super) struct PowerLoss {
@@ -22,7 +22,7 @@ pub(super) struct PowerLoss {
     pub(super) holding: f64,
     /// Smallest and largest back-driving torque at the screw \[N·m\].
     pub(super) torques: [f64; 2],
-    pub(super) what: BackDriving,
+    pub(super) back_driving: BackDriving,
 }
 
 /// Deceleration and distance of a stop from the largest feed rate.
@@ -108,14 +108,14 @@ impl AxisState<'_> {
 
     /// Returns the data needed to calculate how the load at standstill drives the screw after a
     /// loss of motor power.
-    pub(super) fn falling(&self) -> Fall {
-        self.machine.drive.falling(self.machine.rest_load.abs())
+    pub(super) fn back_driven_screw(&self) -> BackDrivenScrew {
+        self.machine.drive.back_driven_screw(self.machine.rest_load.abs())
     }
 
     /// Returns the holding torque of the motor without friction \[N·m\].
     pub(super) fn holding_torque(&self) -> f64 {
         let DriveTrain { screws, gear_ratio, .. } = self.machine.drive;
-        screws * self.falling().torque / gear_ratio
+        screws * self.back_driven_screw().torque / gear_ratio
     }
 
     /// Returns the required brake torque at the motor \[N·m\]. The calculation neglects friction.
@@ -138,10 +138,10 @@ impl AxisState<'_> {
         }
         let DriveTrain { screws, gear_ratio, .. } = self.machine.drive;
         let brake = self.case.brake_torque_Nm? * gear_ratio / screws;
-        let falling = self.falling();
+        let back_driven_screw = self.back_driven_screw();
         Some(Stop {
-            deceleration: falling.braking(brake)?,
-            distance: falling.stopping_distance(brake, delay, feed)?,
+            deceleration: back_driven_screw.braking(brake)?,
+            distance: back_driven_screw.stopping_distance(brake, delay, feed)?,
         })
     }
 
@@ -161,7 +161,7 @@ impl AxisState<'_> {
     /// over the stroke \[rpm\], or `None` if friction holds the load.
     pub(super) fn fall(&self) -> Option<(f64, f64)> {
         let driving = self.power_loss()?.nominal;
-        let acceleration = self.falling().acceleration(driving);
+        let acceleration = self.back_driven_screw().acceleration(driving);
         let feed = (2.0 * acceleration * self.machine.stroke?).sqrt();
         (driving > 0.0).then(|| (acceleration, feed / self.machine.advance() / RPM))
     }
@@ -169,7 +169,7 @@ impl AxisState<'_> {
     /// Returns the time in which a given motor torque accelerates the axis to its largest speed
     /// \[s\].
     pub(super) fn least_ramp(&self, torque: f64) -> Option<f64> {
-        let Machine { drive, axis, .. } = &self.machine;
+        let AxisModel { drive, axis, .. } = &self.machine;
         let is_steady =
             |torques: &&PhaseTorques| torques.phase.moves() && torques.phase.acceleration == 0.0;
         let steady = self.torques.iter().filter(is_steady).flat_map(|torques| &torques.ends);
@@ -222,12 +222,12 @@ impl AxisState<'_> {
     pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
         /// Largest and smallest ratio of the actual friction coefficient to the given friction
         /// coefficient. The range is wide, because the given coefficient is rarely measured.
-        const FRICTION: [f64; 2] = [2.0, 0.5];
+        const FRICTION_RANGE: [f64; 2] = [2.0, 0.5];
         let (settings, advance) = (self.settings, self.machine.advance());
         let load = self.machine.rest_load.abs();
         if load == 0.0 {
-            let what = BackDriving::None;
-            return Some(PowerLoss { nominal: 0.0, holding: 0.0, torques: [0.0; 2], what });
+            let back_driving = BackDriving::None;
+            return Some(PowerLoss { nominal: 0.0, holding: 0.0, torques: [0.0; 2], back_driving });
         }
         let speed = -self.axis().fastest().max(RPM);
         // Guide friction can hold a part of the load.
@@ -250,33 +250,33 @@ impl AxisState<'_> {
                 let friction_coefficient = Some(factor * coefficient);
                 friction(&Case { friction_coefficient, ..self.case.clone() }, point)
             };
-            [at(FRICTION[0], &left), at(FRICTION[1], &whole)]
+            [at(FRICTION_RANGE[0], &left), at(FRICTION_RANGE[1], &whole)]
         } else {
             let of_left = friction(self.case, &left)?;
             let [low, high] = contacts::band(self.case, settings, &whole, work)?;
             [Some(high * of_left), Some(low * nominal)]
         };
         let value = |key| self.case.value_or_default(key).unwrap_or(0.0);
-        let drag = self.preload.as_ref().map_or(0.0, |preload| preload.beyond)
+        let drag = self.preload.as_ref().map_or(0.0, |preload| preload.drag_beyond_contacts)
             + value(InputKey::seal_torque_Nm)
             + value(InputKey::support_bearing_torque_Nm);
-        let (torques, what) =
+        let (torques, back_driving) =
             BackDriving::of([torque(&left) - most?, torque(&whole) - least?], drag);
         let holding = (torque(&whole) - nominal).max(0.0);
-        Some(PowerLoss { nominal: torque(&whole) - nominal - drag, holding, torques, what })
+        Some(PowerLoss { nominal: torque(&whole) - nominal - drag, holding, torques, back_driving })
     }
 
     /// Returns a word that states whether the load at standstill back-drives the screw.
     pub(super) fn back_driving(&self) -> Option<&'static str> {
-        Some(self.power_loss()?.what.name())
+        Some(self.power_loss()?.back_driving.name())
     }
 
     /// Returns a sentence that states whether the load at standstill back-drives the screw, and
     /// which brake torque is required.
-    pub(super) fn falls(&self) -> Option<String> {
-        let PowerLoss { torques: [low, high], what, .. } = self.power_loss()?;
+    pub(super) fn back_driving_note(&self) -> Option<String> {
+        let PowerLoss { torques: [low, high], back_driving, .. } = self.power_loss()?;
         let load = self.machine.rest_load;
-        let what = match what {
+        let consequence = match back_driving {
             BackDriving::None => {
                 let none =
                     "No force acts at rest, so the axis needs no holding torque and no brake.";
@@ -297,7 +297,7 @@ impl AxisState<'_> {
         };
         Some(format!(
             "Without motor power, an axial load of {load:.0} N acts at rest, with a back-driving torque of {low:.3} to {high:.3} N m at the \
-             screw. {what} The brake needs a torque of at least {brake:.3} N m at the motor, {safety} times the torque of the load without \
+             screw. {consequence} The brake needs a torque of at least {brake:.3} N m at the motor, {safety} times the torque of the load without \
              friction.{holds}{}",
             self.force_during_motion()
         ))
@@ -310,7 +310,7 @@ impl AxisState<'_> {
         match self.case.axial_load_N.filter(|load| *load != 0.0 && !is_at_rest) {
             Some(load) => format!(
                 " axial_load_N is assumed to act only during motion; if the {} N also act at rest, give hold_force_N.",
-                trimmed(load.abs())
+                format_trimmed(load.abs())
             ),
             None => String::new(),
         }

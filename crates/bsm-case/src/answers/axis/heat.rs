@@ -5,7 +5,7 @@ use bsm_design::{Phase, steady_rise};
 use bsm_nut::thermal::{BallLink, Conductances, HeatSources, NODES, Network, ThermalAxis};
 
 use super::torques::PhaseTorques;
-use crate::case::axis::Machine;
+use crate::case::axis::AxisModel;
 use crate::case::thermal::{air_over_set, bed_over_set, missing_torques, thermal_axis};
 use crate::case::warm::{ColdNut, WarmState};
 use crate::{Case, CaseError, Settings};
@@ -40,7 +40,7 @@ pub(super) struct Powers {
 impl Powers {
     /// Returns the mean powers of the heat sources over a cycle, or `None` if the friction or the
     /// cycle time is unknown.
-    pub(super) fn of(case: &Case, machine: &Machine, torques: &[PhaseTorques]) -> Option<Self> {
+    pub(super) fn of(case: &Case, machine: &AxisModel, torques: &[PhaseTorques]) -> Option<Self> {
         let time: f64 = torques.iter().map(|torques| torques.phase.time).sum();
         let (seals, bearings) = missing_torques(case, machine.nominal(case));
         let usual = HeatSources { seals, bearings, ..HeatSources::default() };
@@ -62,7 +62,7 @@ impl Heating {
     pub(super) fn of(
         case: &Case,
         settings: &Settings,
-        machine: &Machine,
+        machine: &AxisModel,
         torques: &[PhaseTorques],
         expansion: f64,
     ) -> Result<Option<Self>, CaseError> {
@@ -111,7 +111,7 @@ impl Heating {
     /// Returns the temperatures of a warm state.
     pub(super) fn of_warm(
         case: &Case,
-        machine: &Machine,
+        machine: &AxisModel,
         state: &WarmState,
         expansion: f64,
     ) -> Option<Self> {
@@ -129,7 +129,7 @@ impl Heating {
 
 /// Returns samples that represent the cycle, including standstill. Each sample consists of a
 /// duration and an absolute relative speed.
-fn phases(machine: &Machine) -> Vec<(f64, f64)> {
+fn phases(machine: &AxisModel) -> Vec<(f64, f64)> {
     let samples = machine.axis.phases.iter().flat_map(Phase::samples);
     samples.map(|(time, point)| (time, point.speed.abs())).collect()
 }

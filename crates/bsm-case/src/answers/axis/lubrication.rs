@@ -1,6 +1,6 @@
 //! Lubricant quantities that determine the modified life of an axis.
 
-use crate::case::axis::Machine;
+use crate::case::axis::AxisModel;
 use crate::vocabulary::entries::Named;
 use crate::{Case, CaseError};
 use bsm_design::{Contamination, usual_fatigue_limit};
@@ -18,7 +18,7 @@ pub(super) struct Lubrication {
 impl Lubrication {
     /// Returns the lubrication data of a case, or `None` if contamination, viscosity or lubricant
     /// temperature is missing.
-    pub(super) fn of(case: &Case, machine: &Machine) -> Result<Option<Self>, CaseError> {
+    pub(super) fn of(case: &Case, machine: &AxisModel) -> Result<Option<Self>, CaseError> {
         let screw = &machine.axis.screw;
         let by_word = |Named(word): Named<Contamination>| word.factor(screw.pitch_diameter);
         let contamination = match (case.entries.contamination, case.contamination_factor) {

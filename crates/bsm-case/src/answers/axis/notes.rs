@@ -13,27 +13,27 @@ use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
 use crate::vocabulary::units::{MM, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
-use crate::{CaseError, InputKey, NotGiven, NutReport, digits, trimmed};
+use crate::{CaseError, InputKey, MissingInput, NutReport, format_digits, format_trimmed};
 
 /// Ratio of stroke to nut length below which the stroke is short, and the smallest load factor for
 /// short strokes (HIWIN BS-08-2, F 3.10).
-const SHORT: (f64, f64) = (3.0, 3.0);
+const SHORT_STROKE: (f64, f64) = (3.0, 3.0);
 
 /// Speed number above which the manufacturer must approve the grease \[mm/min\] (value from common
 /// practice).
-const FAST: f64 = 100e3;
+const GREASE_SPEED_NUMBER_MM_MIN: f64 = 100e3;
 
 /// Steady-state temperature rise above which cooling is recommended \[K\] (value from common
 /// practice).
-const HOT: f64 = 40.0;
+const HIGH_RISE_K: f64 = 40.0;
 
 /// Range of the ratio of nut speed to critical screw speed in which a driven nut can excite the
 /// screw (common recommendation).
-const RESONANCE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
+const RESONANCE_RATIOS: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 
 /// Upper limit of the ratio between the two viscosity ratios that follow from the film thickness
 /// and from the viscosity. Above this limit, a note states both viscosity ratios.
-const UNCERTAIN: f64 = 3.0;
+const VISCOSITY_RATIO_FACTOR: f64 = 3.0;
 
 impl AxisState<'_> {
     /// Returns notes on the assumptions and default values of the axis sheet.
@@ -72,7 +72,7 @@ impl AxisState<'_> {
             }
         }
         let speed_number = self.axis().speed_number() / (MM * RPM);
-        if speed_number > FAST {
+        if speed_number > GREASE_SPEED_NUMBER_MM_MIN {
             note(
                 "Above a speed number of about 100 000 mm/min, oil or a high-speed grease is normally used. Ask the manufacturer which grease is suitable.",
             );
@@ -108,9 +108,9 @@ impl AxisState<'_> {
     pub(super) fn warnings(&self) -> Vec<Warning> {
         let rises = [self.steady_rise(), self.node_rise(0), self.node_rise(1)];
         let rise = rises.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max);
-        let hot = (rise > HOT).then(|| {
+        let hot = (rise > HIGH_RISE_K).then(|| {
             format!(
-                "The steady-state temperature rise of {rise:.0} K exceeds {HOT:.0} K, which \
+                "The steady-state temperature rise of {rise:.0} K exceeds {HIGH_RISE_K:.0} K, which \
                  damages the grease and changes the preload. Cool the nut or the screw."
             )
         });
@@ -128,7 +128,7 @@ impl AxisState<'_> {
         let uncertain = ratios.and_then(|[by_film, by_viscosity]| {
             let (by_film, by_viscosity) = (by_film?, by_viscosity?);
             let apart = (by_film / by_viscosity).max(by_viscosity / by_film);
-            (apart > UNCERTAIN).then(|| {
+            (apart > VISCOSITY_RATIO_FACTOR).then(|| {
                 format!(
                     "The viscosity ratio is {by_film:.2} if it is calculated from the film ratio, as in the modified life, and \
                      {by_viscosity:.2} if it is calculated from the viscosity alone."
@@ -155,12 +155,12 @@ impl AxisState<'_> {
         let open = open.map(|(_, travel)| {
             format!(
                 "The cycle does not return to its start, but ends {} mm away.",
-                trimmed(travel.end.abs() / MM)
+                format_trimmed(travel.end.abs() / MM)
             )
         });
         let jumps = speed_jumps(&self.axis().phases);
         let first = jumps.first().map(|[before, after]| {
-            let feed = |speed: f64| trimmed(speed * self.machine.advance() * 60.0);
+            let feed = |speed: f64| format_trimmed(speed * self.machine.advance() * 60.0);
             format!(
                 "The speed jumps {} in the cycle, first from {} to {} m/min. The acceleration torque of these jumps is not included. To include it, replace the jumps by moves or ramps.",
                 if jumps.len() == 1 { "once".to_owned() } else { format!("{} times", jumps.len()) },
@@ -177,7 +177,7 @@ impl AxisState<'_> {
         let critical = self.axis().fastest() / ratio;
         let speeds = self.axis().phases.iter().flat_map(|phase| phase.speed);
         let ratios = speeds.map(|speed| speed.abs() / critical);
-        let near = ratios.into_iter().find(|ratio| RESONANCE.contains(ratio))?;
+        let near = ratios.into_iter().find(|ratio| RESONANCE_RATIOS.contains(ratio))?;
         Some(format!(
             "The driven nut turns at {near:.2} times the critical speed of its screw ({:.0} rpm) \
              and can excite the screw. Ask the manufacturer for a damper.",
@@ -264,10 +264,10 @@ impl AxisState<'_> {
     }
 
     /// Returns a description of each result that is incomplete because an input is not given.
-    pub(super) fn not_given(&self) -> Vec<NotGiven> {
+    pub(super) fn not_given(&self) -> Vec<MissingInput> {
         let mut all = Vec::new();
         let mut lack = |numbers: &[&'static str], text: String| {
-            all.extend(numbers.iter().map(|number| NotGiven { number, text: text.clone() }));
+            all.extend(numbers.iter().map(|number| MissingInput { number, text: text.clone() }));
         };
         let drags = [InputKey::seal_torque_Nm, InputKey::support_bearing_torque_Nm];
         let drags: Vec<_> = drags.into_iter().filter(|key| self.case[*key].is_none()).collect();
@@ -323,8 +323,8 @@ impl AxisState<'_> {
         }
         Some(format!(
             "load_factor is not given and is assumed to be 1; catalogs recommend {low} to {high} at this speed, which gives lives of {} to {} h",
-            digits(short, 3),
-            digits(long, 3)
+            format_digits(short, 3),
+            format_digits(long, 3)
         ))
     }
 
@@ -346,7 +346,7 @@ impl AxisState<'_> {
     /// Returns a note on the life if the stroke is only a few nut lengths.
     pub(super) fn short_stroke(&self) -> Option<String> {
         let stroke = self.machine.stroke?;
-        let (lengths, factor) = SHORT;
+        let (lengths, factor) = SHORT_STROKE;
         if stroke < MIN_STROKE_TURNS * self.axis().screw.lead {
             return Some(
                 "No fatigue life is calculated for a stroke of less than half a turn, because false brinelling limits the life."

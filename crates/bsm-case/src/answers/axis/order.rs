@@ -7,7 +7,7 @@ use super::state::AxisState;
 use crate::InputKey;
 use crate::case::axis::{TorqueTolerance, nut_set, preload_method};
 use crate::vocabulary::entries::Choice;
-use crate::vocabulary::number::trimmed;
+use crate::vocabulary::number::format_trimmed;
 use crate::vocabulary::units::MM;
 
 /// An entry in the order data of a screw.
@@ -51,7 +51,7 @@ impl AxisState<'_> {
         let screw = &self.axis().screw;
         let units = self.case.display_units();
         let (in_mm, force, torque_unit) = (units.of("mm"), units.of("N"), units.of("N m"));
-        let mm = |meters: f64| trimmed(in_mm.value(meters / MM));
+        let mm = |meters: f64| format_trimmed(in_mm.value(meters / MM));
         let length = |meters: f64| units.length(meters / MM);
         // Without `nut_length_mm`, the nut length and all lengths that include the nut are
         // estimates.
@@ -60,7 +60,7 @@ impl AxisState<'_> {
         // A calculated land diameter must not be stated as the nominal diameter.
         let nominal = self.case.nominal_diameter_mm.or(self.case.screw_outer_diameter_mm);
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
-        let size = nominal.map_or_else(pitch, |nominal| trimmed(in_mm.value(nominal)));
+        let size = nominal.map_or_else(pitch, |nominal| format_trimmed(in_mm.value(nominal)));
         let mut order = Order::default();
         order.add("manufacturer", "", self.case.entries.manufacturer.clone());
         order.add("code", "", self.case.entries.order_code.clone());
@@ -72,7 +72,7 @@ impl AxisState<'_> {
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
         if let Some((nut, _)) = given {
             let circuits = self.case.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
-            let of_each = trimmed(nut.turns / circuits);
+            let of_each = format_trimmed(nut.turns / circuits);
             let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };
             let nuts = match nut_set(self.case) {
                 NutSet::Single => "",

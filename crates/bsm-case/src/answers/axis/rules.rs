@@ -2,14 +2,14 @@
 
 use std::borrow::Cow;
 
-use bsm_design::{Axis, EndFixity, OPENS_AT, RatingBasis, RequiredLife, Shaft};
+use bsm_design::{Axis, EndFixity, RatingBasis, RequiredLife, Shaft, UNLOADING_RATIO};
 
 use super::drive::MotorPeak;
 use super::{Preload, QUANTITIES, SCREW};
 use crate::answers::warm::QUANTITIES as WARM;
 use crate::case::axis::{motor_speed, mount, preload_method, speed_number_limit, useful_travel};
 use crate::vocabulary::entries::{Choice, Named};
-use crate::vocabulary::number::{number, trimmed};
+use crate::vocabulary::number::{format_number, format_trimmed};
 use crate::vocabulary::units::{MM, UM};
 use crate::{
     Answer, Case, Criterion, DisplayUnit, INPUTS, InputKey as K, Numbers, OutputName, Quantity,
@@ -74,15 +74,15 @@ impl RuleInputs<'_> {
         self.number(output!(shaft_diameter_mm)).unwrap_or(f64::NAN)
     }
 
-    /// Returns an output that is required if `where_there_is` is not `None`. A missing output is
+    /// Returns an output that is required if `condition` is not `None`. A missing output is
     /// returned as NaN, which violates the rule.
-    fn needed(&self, name: OutputName, where_there_is: Option<f64>) -> Option<f64> {
-        where_there_is.map(|_| self.number(name).unwrap_or(f64::NAN))
+    fn required_if(&self, name: OutputName, condition: Option<f64>) -> Option<f64> {
+        condition.map(|_| self.number(name).unwrap_or(f64::NAN))
     }
 
     /// Returns an output. If the limit is given but the output cannot be calculated, returns NaN,
     /// which violates the rule.
-    fn judged(&self, name: OutputName, limit: K) -> Option<f64> {
+    fn number_or_nan_if_limited(&self, name: OutputName, limit: K) -> Option<f64> {
         self.number(name).or(self.case[limit].map(|_| f64::NAN))
     }
 
@@ -108,7 +108,7 @@ impl RuleInputs<'_> {
             "Euler (Z2), end conditions {}{by_default}. With the end conditions of the input support ({}), the safety factor is {}",
             shaft.buckling.0.name(),
             shaft.support.name(),
-            number(of_support)
+            format_number(of_support)
         )
     }
 
@@ -211,7 +211,10 @@ impl RuleInputs<'_> {
 fn remedies_of_motor(peak: Option<&MotorPeak>, margin: f64, other: Option<&str>) -> String {
     let load = peak.and_then(|peak| {
         let most = at_most(peak.load_at(margin)?, 0);
-        Some(format!("an axial load of at most {most} N instead of {} N", trimmed(peak.load.abs())))
+        Some(format!(
+            "an axial load of at most {most} N instead of {} N",
+            format_trimmed(peak.load.abs())
+        ))
     });
     let others = load.into_iter().chain(other.map(str::to_owned)).collect::<Vec<_>>();
     match &others[..] {
@@ -263,7 +266,7 @@ fn criterion(
         title,
         name,
         symbol,
-        unit: DisplayUnit::own(unit),
+        unit: DisplayUnit::unchanged(unit),
         value,
         limit,
         at_least,
@@ -310,10 +313,10 @@ macro_rules! rules {
 
 rules! {
     /// Rules about the screw between its bearings.
-    of_screw(of, margin) TITLES_OF_SCREW:
+    screw_rules(of, margin) SCREW_RULE_TITLES:
     "critical speed" critical_speed_ratio
         // The ratio is infinite if constrained thermal expansion buckles the screw.
-        = of.judged(output!(critical_speed_ratio), K::required_critical_speed_ratio),
+        = of.number_or_nan_if_limited(output!(critical_speed_ratio), K::required_critical_speed_ratio),
         at_most of.input(K::required_critical_speed_ratio),
         "manufacturers' catalogs: 0.8 of the critical speed (Z1)",
         format!(
@@ -323,7 +326,7 @@ rules! {
             of.other_remedy_of_whirling()
         );
     "speed number" largest_speed_number_mm_min
-        = of.judged(output!(largest_speed_number_mm_min), K::speed_number_limit_mm_min),
+        = of.number_or_nan_if_limited(output!(largest_speed_number_mm_min), K::speed_number_limit_mm_min),
         at_most Some(speed_number_limit(of.case, of.axis.screw.lead, of.axis.screw.outer)),
         "DN limit, THK A-697 (Z15)",
         format!(
@@ -331,7 +334,7 @@ rules! {
             at_least(of.axis.screw.lead / MM / margin, 1)
         );
     "buckling" buckling_safety
-        = of.judged(output!(buckling_safety), K::required_buckling_safety),
+        = of.number_or_nan_if_limited(output!(buckling_safety), K::required_buckling_safety),
         at_least of.input(K::required_buckling_safety),
         of.buckling_source(),
         of.remedy_of_buckling(margin);
@@ -351,7 +354,7 @@ rules! {
             format!("pretension_K {needed}, because the screw loses its pretension above a temperature rise of {slack:.1} K")
         };
     "support bearings" support_bearing_load_N
-        = of.needed(output!(support_bearing_load_N), of.case.support_bearing_axial_load_N),
+        = of.required_if(output!(support_bearing_load_N), of.case.support_bearing_axial_load_N),
         at_most of.case.support_bearing_axial_load_N,
         "rating of the bearing manufacturer, cold and warm (BB7)",
         match (of.balanced_pretension(), of.number(output!(screw_tension_N))) {
@@ -369,9 +372,9 @@ rules! {
 
 rules! {
     /// Rules about accuracy grade, load ratings, motor and brake.
-    of_ratings_and_drive(of, margin) TITLES_OF_RATINGS_AND_DRIVE:
+    rating_and_drive_rules(of, margin) RATING_AND_DRIVE_RULE_TITLES:
     "travel error" travel_error_worst_um
-        = of.needed(output!(travel_error_worst_um), of.case.required_travel_error_um),
+        = of.required_if(output!(travel_error_worst_um), of.case.required_travel_error_um),
         at_most of.case.required_travel_error_um,
         "ISO 3408-3, JIS B 1192: deviation and half of the variation over the useful travel (Z35)",
         of.grade_to_take().map_or_else(
@@ -379,17 +382,17 @@ rules! {
             |grade| format!("accuracy_grade {grade}"),
         );
     "static safety" static_safety_factor
-        = of.judged(output!(static_safety_factor), K::required_static_safety),
+        = of.number_or_nan_if_limited(output!(static_safety_factor), K::required_static_safety),
         at_least of.input(K::required_static_safety),
         "ISO 3408-5 (Z16), with the preload (D14); smaller of C_0a/F and the value for the most loaded ball. THK requires 1 to 1.5, or 2 to 7 with impact",
         format!("a static load rating of at least {} N", at_least(of.axis.static_rating / margin, 0));
     "life" cycle_life_h
-        = of.needed(output!(cycle_life_h), of.required_life().filter(|_| of.moves())),
+        = of.required_if(output!(cycle_life_h), of.required_life().filter(|_| of.moves())),
         at_least of.required_life(),
         "ISO 3408-5 (D12) to (D15), reliability (Z14)",
         of.needed_rating(margin);
     "modified life" modified_life_h
-        = of.needed(output!(modified_life_h), of.number(output!(fatigue_load_limit_N)).filter(|_| of.moves())),
+        = of.required_if(output!(modified_life_h), of.number(output!(fatigue_load_limit_N)).filter(|_| of.moves())),
         at_least of.required_life(),
         "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
         "a higher viscosity, a cleaner lubricant or a larger dynamic load rating";
@@ -400,7 +403,7 @@ rules! {
         "dynamic load rating for a million revolutions (D13)",
         format!("a dynamic load rating of at least {} N", at_least(of.axis.dynamic_rating / margin, 0));
     // The rule for the motor speed is omitted if no speed limit of the motor is given.
-    "motor speed" motor_speed_rpm = of.needed(output!(motor_speed_rpm), motor_speed(of.case)),
+    "motor speed" motor_speed_rpm = of.required_if(output!(motor_speed_rpm), motor_speed(of.case)),
         at_most motor_speed(of.case),
         "THK A-719",
         format!(
@@ -408,27 +411,27 @@ rules! {
             at_least(of.case.lead_mm.unwrap_or(f64::NAN) / margin, 1)
         );
     "peak torque of the motor" peak_motor_torque_Nm
-        = of.needed(output!(peak_motor_torque_Nm), of.case.motor_peak_torque_Nm),
+        = of.required_if(output!(peak_motor_torque_Nm), of.case.motor_peak_torque_Nm),
         at_most of.case.motor_peak_torque_Nm,
         "THK A-720",
         of.remedies_of_peak(of.motor_peaks[0].as_ref(), margin);
     "rated torque of the motor" rms_motor_torque_Nm
-        = of.needed(output!(rms_motor_torque_Nm), of.case.motor_rated_torque_Nm),
+        = of.required_if(output!(rms_motor_torque_Nm), of.case.motor_rated_torque_Nm),
         at_most of.case.motor_rated_torque_Nm,
         "THK, eq. 48: RMS over the cycle (BB3)",
         of.remedies_of_rms(margin);
     "peak torque on the torque-speed curve of the motor" peak_torque_utilization
-        = of.needed(output!(peak_torque_utilization), of.utilization_limit()),
+        = of.required_if(output!(peak_torque_utilization), of.utilization_limit()),
         at_most of.utilization_limit(),
         "motor_curve: torque at both ends of each phase / peak torque at the same speed",
         of.remedies_of_peak(of.motor_peaks[1].as_ref(), margin);
     "continuous torque on the torque-speed curve of the motor" rms_torque_utilization
-        = of.needed(output!(rms_torque_utilization), of.utilization_limit()),
+        = of.required_if(output!(rms_torque_utilization), of.utilization_limit()),
         at_most of.utilization_limit(),
         "motor_curve: RMS torque over the cycle / continuous torque at the mean speed",
         of.remedies_of_rms(margin);
     "power of the motor" peak_motor_power_W
-        = of.needed(output!(peak_motor_power_W), of.case.motor_rated_power_W),
+        = of.required_if(output!(peak_motor_power_W), of.case.motor_rated_power_W),
         at_most of.case.motor_rated_power_W,
         "largest motor power in any phase",
         format!("{} times the feed, or a larger motor", at_most(margin, 2));
@@ -452,7 +455,7 @@ rules! {
 
 rules! {
     /// Rules about contacts and preload. Preload rules apply only to preloaded nuts.
-    of_preload(of, margin) TITLES_OF_PRELOAD:
+    preload_rules(of, margin) PRELOAD_RULE_TITLES:
     "edge load of the contact ellipse" edge_load_N = of.edge_load,
         at_least of.edge_load.map(|_| of.axis.larger_nut_load()),
         "load at which a contact ellipse reaches the end of its flank (G8)",
@@ -464,17 +467,17 @@ rules! {
             "a dynamic load rating of at least {} N, or preload_N of at most {}, with which one nut unloads above {:.0} N",
             at_least(of.preload.map_or(f64::NAN, |p| p.warm) / preload_method(of.case).share(), 0),
             at_most(of.preload_to_set(), 0),
-            OPENS_AT * of.most_preload()
+            UNLOADING_RATIO * of.most_preload()
         );
     "remaining preload" largest_load_N = of.preload.map(|_| of.axis.largest_load()),
-        at_most of.preload.map(|preload| of.number(output!(limit_load_N)).unwrap_or(OPENS_AT * preload.warm)),
+        at_most of.preload.map(|preload| of.number(output!(limit_load_N)).unwrap_or(UNLOADING_RATIO * preload.warm)),
         "limit load, about 2.83 times the preload (D14), (U20)",
         format!("preload_N of at least {}", at_least(of.preload.map_or(f64::NAN, |p| p.cold) / margin, 0));
 }
 
 /// Returns the titles of all rules, in the order of the axis sheet.
 pub(crate) fn rule_titles() -> impl Iterator<Item = &'static str> + Clone {
-    let parts = [TITLES_OF_SCREW, TITLES_OF_RATINGS_AND_DRIVE, TITLES_OF_PRELOAD];
+    let parts = [SCREW_RULE_TITLES, RATING_AND_DRIVE_RULE_TITLES, PRELOAD_RULE_TITLES];
     parts.into_iter().flatten().copied().chain([STEADY_STATE])
 }
 
@@ -493,8 +496,8 @@ pub(super) fn rules(
 ) -> Vec<Criterion> {
     let edge_load = of_nut.number(output!(edge_load_N));
     let of = &RuleInputs { case, axis, numbers, edge_load, preload, required_life, motor_peaks };
-    let rest = of_ratings_and_drive(of).chain(of_preload(of));
-    of_screw(of)
+    let rest = rating_and_drive_rules(of).chain(preload_rules(of));
+    screw_rules(of)
         .map(|rule| of.with_unguided_load(rule))
         .chain(steady_state(fold))
         .chain(rest)

@@ -16,7 +16,7 @@ use super::drive::PowerLoss;
 use super::heat::{Heating, Powers};
 use super::lubrication::Lubrication;
 use super::torques::{PhaseTorques, Preload, Torques};
-use crate::case::axis::{FixedEnds, Machine, mount, useful_travel};
+use crate::case::axis::{AxisModel, FixedEnds, mount, useful_travel};
 use crate::case::warm::{Warm, WarmState};
 use crate::vocabulary::entries::{KappaBy, Named};
 use crate::vocabulary::units::UM;
@@ -30,7 +30,7 @@ const NO_SPEED: &str =
 pub(crate) struct AxisState<'a> {
     pub(super) case: &'a Case,
     pub(super) settings: &'a Settings,
-    pub(super) machine: Machine,
+    pub(super) machine: AxisModel,
     /// Nut with all its balls under the largest load. If the nut has no solution, `no_nut` contains
     /// the reason.
     pub(super) nut: Option<NutReport>,
@@ -58,7 +58,7 @@ impl<'a> AxisState<'a> {
         settings: &'a Settings,
         warm: Option<Warm>,
     ) -> Result<Self, CaseError> {
-        let mut machine = Machine::of(case)?;
+        let mut machine = AxisModel::of(case)?;
         // `travel` fails if the thread that stroke and nut require is longer than the unsupported
         // length.
         machine.travel(case)?;
@@ -79,7 +79,7 @@ impl<'a> AxisState<'a> {
             None => (None, None),
         };
         let preload = Preload::of(case, settings, &machine, nut.as_ref(), fastest)?;
-        let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
+        let drag = preload.as_ref().map_or(0.0, |preload| preload.drag_beyond_contacts);
         let warm_preload = preload.as_ref().map(|preload| preload.warm);
         // The case is copied for every moment of the cycle. The copies do not need the cycle, so it
         // is removed first.
@@ -117,7 +117,7 @@ impl<'a> AxisState<'a> {
             Some(state) => Heating::of_warm(case, &machine, state, expansion),
             None => Heating::of(case, settings, &machine, &torques, expansion)?,
         };
-        let mut worked = Self {
+        let mut state = Self {
             case,
             settings,
             machine,
@@ -132,8 +132,8 @@ impl<'a> AxisState<'a> {
             lubrication,
             by_film: RefCell::default(),
         };
-        worked.machine.axis.compression = -worked.tension().unwrap_or(0.0).min(0.0);
-        Ok(worked)
+        state.machine.axis.compression = -state.tension().unwrap_or(0.0).min(0.0);
+        Ok(state)
     }
 
     pub(super) fn axis(&self) -> &Axis {
@@ -358,7 +358,7 @@ impl<'a> AxisState<'a> {
 
     /// Returns the number of revolutions per cycle, added up over both directions.
     pub(super) fn revolutions_per_cycle(&self) -> Option<f64> {
-        Some(self.machine.cycle?.1.way / self.axis().screw.lead)
+        Some(self.machine.cycle?.1.distance / self.axis().screw.lead)
     }
 
     /// Returns the required life in revolutions.

@@ -39,7 +39,7 @@ const OTHER_RESULTS: [OutputName; 3] =
 
 impl Need {
     /// Names the inputs that meet the requirement.
-    fn words(self) -> &'static str {
+    fn inputs(self) -> &'static str {
         match self {
             Lead => "lead_mm",
             Load => "axial_load_N (or cycle)",
@@ -92,7 +92,7 @@ impl AxisState<'_> {
                 return None;
             }
             let missing: Vec<_> =
-                needs.iter().filter(|need| !is_met(need)).map(|need| need.words()).collect();
+                needs.iter().filter(|need| !is_met(need)).map(|need| need.inputs()).collect();
             (!missing.is_empty()).then(|| {
                 format!(
                     "The {label} is not calculated, because inputs are missing: {}.",
@@ -114,7 +114,7 @@ pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
     let has_groove = !case.lacks_groove() && !case.has_estimated_groove();
     let missing = |needs: &[Need]| -> Vec<&'static str> {
         let missing = needs.iter().filter(|need| !need.is_met(case, has_groove));
-        missing.map(|need| need.words()).collect()
+        missing.map(|need| need.inputs()).collect()
     };
     let has_result = |(_, number, needs): &(&str, OutputName, &[Need])| {
         let is_sufficient = *number == TORQUE || missing(needs).is_empty();

@@ -12,10 +12,10 @@ use serde::Serialize;
 
 use super::contacts::{Contacts, contacts, nut_at, takes_catalog_efficiency};
 use super::{NEEDS, NUT, QUANTITIES};
-use crate::case::axis::{Machine, carriage};
+use crate::case::axis::{AxisModel, carriage};
 use crate::case::warm::ColdNut;
 use crate::vocabulary::members::{NumbersJson, number_tables};
-use crate::vocabulary::number::short;
+use crate::vocabulary::number::format_short;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{Case, CaseError, InputKey, Numbers, NutReport, OutputName, Settings, output};
@@ -157,7 +157,7 @@ impl Torques {
         ];
         let costly = parts.into_iter().filter(|(_, torque)| *torque > 0.0);
         let costs: Vec<_> = costly
-            .map(|(part, torque)| format!("{part} {} %", short(100.0 * torque / input)))
+            .map(|(part, torque)| format!("{part} {} %", format_short(100.0 * torque / input)))
             .collect();
         (!costs.is_empty()).then(|| {
             format!(
@@ -259,7 +259,7 @@ pub(crate) struct Preload {
     /// The nut without external load; `None` without friction or motion.
     pub(super) unloaded: Option<NutReport>,
     /// Drag torque of ball returns and lubricant, in addition to the contacts.
-    pub(super) beyond: f64,
+    pub(super) drag_beyond_contacts: f64,
 }
 
 impl Preload {
@@ -268,7 +268,7 @@ impl Preload {
     pub(super) fn of(
         case: &Case,
         settings: &Settings,
-        machine: &Machine,
+        machine: &AxisModel,
         nut: Option<&NutReport>,
         speed: f64,
     ) -> Result<Option<Self>, CaseError> {
@@ -278,14 +278,14 @@ impl Preload {
         if let Some(preload) = case.preload_N.filter(|_| by_catalog) {
             let by_rule = by_rule(preload);
             let given = case.extra_drag_factor.map(|factor| factor * machine.advance() * preload);
-            let beyond = given.unwrap_or(by_rule);
+            let drag_beyond_contacts = given.unwrap_or(by_rule);
             return Ok(Some(Self {
                 cold: preload,
                 warm: preload,
                 by_rule,
                 of_contacts: None,
                 unloaded: None,
-                beyond,
+                drag_beyond_contacts,
             }));
         }
         let Some(nut) = nut else { return Ok(None) };
@@ -295,8 +295,15 @@ impl Preload {
         let unloaded = runs.then(|| nut_at(case, settings, 0.0, speed)).transpose()?;
         let heat = unloaded.as_ref().and_then(|nut| nut.number(output!(friction_heat_W)));
         let of_contacts = heat.map(|heat| heat / speed);
-        let beyond = ColdNut::of(case, settings, machine)?.drag(case, machine) * warm;
-        Ok(Some(Self { cold, warm, by_rule: by_rule(cold), of_contacts, unloaded, beyond }))
+        let drag_beyond_contacts = ColdNut::of(case, settings, machine)?.drag(case, machine) * warm;
+        Ok(Some(Self {
+            cold,
+            warm,
+            by_rule: by_rule(cold),
+            of_contacts,
+            unloaded,
+            drag_beyond_contacts,
+        }))
     }
 }
 
@@ -325,10 +332,10 @@ pub fn torque_parts(
     let point = ProfileSegment::constant(1.0, speed, force);
     let point = phases(&[point], &carriage(case)?, lead * MM)[0].heavier_end();
     let drag = if preloaded {
-        let machine = Machine::of(case)?;
+        let machine = AxisModel::of(case)?;
         let nut = nut_at(case, settings, point.load, point.speed)?;
         let preload = Preload::of(case, settings, &machine, Some(&nut), point.speed.abs())?;
-        preload.map_or(0.0, |preload| preload.beyond)
+        preload.map_or(0.0, |preload| preload.drag_beyond_contacts)
     } else {
         0.0
     };

@@ -9,12 +9,12 @@ use bsm_nut::{
 };
 
 use super::{BallFriction, CircuitRow, NutProblem, NutReport};
-use crate::case::nut::{NutAtRest, room};
+use crate::case::nut::{NutAtRest, room_message};
 use crate::vocabulary::members::{NumberCells, Rows};
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::MM;
-use crate::{ModelChoice, exact};
+use crate::{ModelChoice, format_exact};
 
 quantities! { pub(crate) CIRCUITS, read_circuit(&OneCircuit<'_>);
     "circuits" {
@@ -83,7 +83,7 @@ impl NutReport {
     /// motions of free balls. These motions are calculated with model `traction` unless raceway
     /// control is requested.
     pub(super) fn advance_of(&self, ball_friction: &BallFriction) -> Option<Advance> {
-        let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
+        let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.at_rest);
         let (source, drive) = problem.friction.as_ref()?;
         let of = |motions: &[Option<FreeMotion>]| {
             nut.advance(found, motions, drive, problem.gaps.spacer)
@@ -95,7 +95,7 @@ impl NutReport {
             // `elastic` does not determine the spin of a ball.
             let (traction, balls) = (problem.by_traction(), super::loaded_balls(found));
             let work = &mut ModelWorkspace::default();
-            let solve = |at| traction.of_ball(source, balls, at).solve(work);
+            let solve = |at| traction.ball_problem(source, balls, at).solve(work);
             let friction = problem.flank_friction(source);
             return of(&nut.free_motions(found, friction, drive, solve)?);
         }
@@ -106,7 +106,7 @@ impl NutReport {
     ///
     /// * `motions`: motions of the balls without push forces.
     pub(super) fn pushed_of(&self, motions: &[Option<FreeMotion>]) -> Option<TrainResult> {
-        let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
+        let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.at_rest);
         let (inputs, (source, drive)) = (problem.gaps.train.as_ref()?, problem.friction.as_ref()?);
         if !pushes(problem.settings.model) {
             let model = problem.settings.model.name();
@@ -124,7 +124,7 @@ impl NutReport {
         let (traction, balls) = (problem.by_traction(), super::loaded_balls(found));
         let friction = inputs.contact_friction;
         let in_train = |at, free: &BallState, work: &mut ModelWorkspace| match traction
-            .of_ball(source, balls, at)
+            .ball_problem(source, balls, at)
         {
             Problem::Traction(ball) => ball.in_train(free, friction, work),
             Problem::Lubricated(ball) => ball.in_train(free, friction, work),
@@ -156,7 +156,7 @@ impl NutReport {
         let part = |gaps: &(f64, f64)| gaps.0 / gaps.1;
         let gaps = needed.zip(inputs.gaps.iter().copied());
         let (needed, gap) = gaps.max_by(|a, b| part(a).total_cmp(&part(b)))?;
-        let (needed, gap) = (needed / MM, exact(gap / MM));
+        let (needed, gap) = (needed / MM, format_exact(gap / MM));
         Some(format!(
             "The balls {touch}: the needed gap is {needed:.3} mm, and the given gap is {gap} mm."
         ))
@@ -176,7 +176,7 @@ impl NutReport {
     /// Returns warnings about circuits with too many balls, and about results beyond the range of
     /// the ball train model.
     pub(super) fn train_warnings(&self) -> Vec<String> {
-        let nut = &self.made.nut;
+        let nut = &self.at_rest.nut;
         let spacer = self.problem.gaps.spacer;
         let circuits = nut.circuits.iter().enumerate();
         // The loaded arc may temporarily hold one additional ball, because a ball can enter the arc
@@ -185,7 +185,7 @@ impl NutReport {
             circuits.filter(|(i, circuit)| count(circuit.balls) > nut.room(*i, spacer) + 1.0);
         let mut warnings: Vec<_> = crowded
             .map(|(i, circuit)| {
-                format!("{} balls are too many: {}.", circuit.balls, room(nut, i, spacer))
+                format!("{} balls are too many: {}.", circuit.balls, room_message(nut, i, spacer))
             })
             .collect();
         let Some(train) = self.train() else { return warnings };

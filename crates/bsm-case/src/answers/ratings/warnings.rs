@@ -1,14 +1,19 @@
 //! Warnings about nuts with unfavorable proportions or outside the limits of the catalog formulas.
 
-use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, OPENS_AT, PRELOAD, Thread};
+use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, PRELOAD, Thread, UNLOADING_RATIO};
 
-use crate::exact;
+use crate::format_exact;
 use crate::vocabulary::units::{MM, UM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 
 /// Returns warnings about exceeded limits of the catalog formulas and about unfavorable
 /// proportions.
-pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits) -> Vec<Warning> {
+pub(super) fn limit_warnings(
+    nut: &Nut,
+    thread: &Thread,
+    body: &NutBody,
+    limits: &Limits,
+) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if body.length < nut.turns * nut.pitch() {
         warnings.push(Warning::advice(format!(
@@ -66,7 +71,7 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
 
 /// Returns warnings if the preload of a pair is larger than recommended (D22) or too small for the
 /// load (D23).
-pub(super) fn of_pair(
+pub(super) fn preload_warnings(
     elasticity: &Elasticity,
     preload: f64,
     load: Option<f64>,
@@ -87,8 +92,8 @@ pub(super) fn of_pair(
             "The load of {} N is more than {LIMIT_LOAD} times the preload. Above {:.0} N (with equal ball loads), one nut is unloaded, \
              the stiffness of the pair is not valid, and the displacement is the displacement of the other nut alone, \
              {:.3} um.",
-            exact(load.round()),
-            OPENS_AT * preload,
+            format_exact(load.round()),
+            UNLOADING_RATIO * preload,
             alone / UM
         ));
     }

@@ -4,7 +4,7 @@ use bsm_design::NutBody;
 use bsm_nut::{BallNut, Bar, Ring};
 
 use crate::vocabulary::entries::{End, Named};
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey};
 
@@ -24,7 +24,7 @@ pub(super) fn bodies(case: &Case, mut nut: BallNut, body: &NutBody) -> Result<Ba
     }
     if twists && entries.screw_anchor.is_none() && case.screw_anchor_z_mm.is_none() {
         let what = "needs the position where force and torque leave the screw: screw_anchor or screw_anchor_z_mm";
-        return Err(bad("screw_torsion", what));
+        return Err(invalid_input("screw_torsion", what));
     }
     let made = nut.screw_stiffness(twists);
     nut.screw_bar = bar(case, (keys, "screw_anchor", entries.screw_anchor), made, ends)?;
@@ -62,7 +62,7 @@ fn bar(
                 "needs the position at which the force is transmitted: {word} or {}",
                 place.name()
             );
-            return Err(bad(stiffness.name(), what));
+            return Err(invalid_input(stiffness.name(), what));
         }
         (None, None) => return Ok(None),
     };

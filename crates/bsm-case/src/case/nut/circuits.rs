@@ -7,7 +7,7 @@ use bsm_nut::{Circuit, Flanks, LeadError, PreloadKind};
 
 use super::loading::{DEFAULT_ARRANGEMENT, arrangement, is_preloaded};
 use crate::vocabulary::entries::{Arrangement, CaseEntries, CircuitEntry, LeadErrorEntry, Named};
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::input_set::loaded_turns;
 use crate::vocabulary::number::{count, whole};
 use crate::vocabulary::units::{DEG, MM, UM};
@@ -61,11 +61,11 @@ pub(super) fn listed_circuits(
     arrangement: Option<Arrangement>,
 ) -> Result<Vec<Circuit>, CaseError> {
     if listed.is_empty() {
-        return Err(bad("circuits", "must not be empty"));
+        return Err(invalid_input("circuits", "must not be empty"));
     }
     let bodies = 1 + listed.iter().map(|circuit| circuit.body).max().unwrap_or(0);
     if let Some(body) = (0..bodies.min(MAX_BALLS)).find(|b| listed.iter().all(|c| c.body != *b)) {
-        return Err(bad("circuits", format!("has no circuit of body {body}")));
+        return Err(invalid_input("circuits", format!("has no circuit of body {body}")));
     }
     let mut balls = 0_usize;
     let mut all = Vec::new();
@@ -112,7 +112,10 @@ fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
         // The comparison allows for rounding errors of angles in degrees.
         if one.thread == next.thread && one.start + one.arc > next.start + 1e-9 * one.arc {
             let (first, second) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
-            return Err(bad("circuits", format!("has overlapping circuits, {first} and {second}")));
+            return Err(invalid_input(
+                "circuits",
+                format!("has overlapping circuits, {first} and {second}"),
+            ));
         }
     }
     Ok(())
@@ -129,14 +132,14 @@ pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circui
         let what = format!(
             "is {per_turn}, which leaves each of {number} circuits of {arc:.1} deg without a ball"
         );
-        return Err(bad(InputKey::loaded_balls_per_turn.name(), what));
+        return Err(invalid_input(InputKey::loaded_balls_per_turn.name(), what));
     }
     if balls * number > count(MAX_BALLS) {
         let what = format!(
             "is {per_turn}, which gives {} balls, but at most {MAX_BALLS} are permitted",
             balls * number
         );
-        return Err(bad(InputKey::loaded_balls_per_turn.name(), what));
+        return Err(invalid_input(InputKey::loaded_balls_per_turn.name(), what));
     }
     // Helix angle from the end of a circuit to the beginning of the next circuit on the same
     // thread.
@@ -194,7 +197,7 @@ pub(super) fn lead_error((i, entry): (usize, &LeadErrorEntry)) -> Result<LeadErr
         (None, None, Some(slope)) if phase_deg.is_none() => {
             Ok(LeadError::Slope { slope: slope * (UM / MM), origin: z0_mm.unwrap_or(0.0) * MM })
         }
-        _ => Err(bad(
+        _ => Err(invalid_input(
             path,
             "must be a wave (amplitude_um, order and, if it is not 0, phase_deg) or a slope \
              (slope_um_per_mm and, if it is not 0, z0_mm)",

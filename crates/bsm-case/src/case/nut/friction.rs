@@ -3,7 +3,7 @@
 use bsm_dyn::lubrication::{Lubricant, Temperature};
 
 use crate::case::problem::Needs;
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::{Case, CaseError};
 
 /// Data from which the friction of the balls is calculated.
@@ -39,7 +39,7 @@ impl FrictionSource {
         if let Temperature::Balance { .. } = lubricant.temperature {
             let what = "determines the temperature of the lubricant from the heat of one ball in `solve`, but not from \
                         the heat of a nut; give lubricant_temperature_C";
-            return Err(bad("heat_transfer_W_K", what));
+            return Err(invalid_input("heat_transfer_W_K", what));
         }
         // The seal torque is not a loss of the balls. It is added to the torque of the nut later.
         lubricant.losses.seal_torque = 0.0;

@@ -6,7 +6,7 @@ use bsm_design::PreloadMethod;
 use bsm_nut::{BallNut, Flanks, Freedom, PreloadKind, Support};
 
 use crate::vocabulary::entries::{Arrangement, Guidance, Named};
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey};
 
@@ -56,7 +56,7 @@ pub(super) fn arrangement(case: &Case) -> Result<Option<Arrangement>, CaseError>
     let offset = case.preload_offset_um.filter(|offset| *offset != 0.0);
     let by_offset = offset.map(|o| if o > 0.0 { Arrangement::X } else { Arrangement::O });
     match (case.entries.preload_arrangement.map(|Named(own)| own), by_offset) {
-        (Some(word), Some(sign)) if word != sign => Err(bad(
+        (Some(word), Some(sign)) if word != sign => Err(invalid_input(
             "preload_arrangement",
             "contradicts preload_offset_um, which is above 0 for X and below 0 for O",
         )),
@@ -74,7 +74,7 @@ fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangeme
     });
     match (given, by_flanks) {
         (Some(word), Some(flanks)) if word != flanks => {
-            Err(bad("preload_arrangement", "contradicts the flanks of circuits"))
+            Err(invalid_input("preload_arrangement", "contradicts the flanks of circuits"))
         }
         (word, flanks) => Ok(word.or(flanks).unwrap_or(DEFAULT_ARRANGEMENT)),
     }
@@ -97,7 +97,7 @@ pub(super) fn preload(
     let value = case[key].unwrap_or(f64::NAN);
     let by = if key == K::ball_oversize_um { PreloadKind::Oversize } else { way };
     if key == K::preload_offset_um && way == PreloadKind::Oversize {
-        return Err(bad(
+        return Err(invalid_input(
             key.name(),
             "applies to a pair of nuts; for oversize balls, give ball_oversize_um",
         ));
@@ -105,15 +105,15 @@ pub(super) fn preload(
     let bodies = 1 + nut.circuits.iter().map(|circuit| circuit.body).max().unwrap_or(0);
     if by == PreloadKind::Offset && bodies != 2 {
         let what = format!("needs a pair with two nut bodies, but the circuits have {bodies}");
-        return Err(bad(key.name(), what));
+        return Err(invalid_input(key.name(), what));
     }
     let both = nut.circuits.iter().all(|circuit| circuit.flanks == Flanks::Both);
     if by == PreloadKind::Oversize && key == K::preload_N && !both {
         let what = "needs two flanks in every circuit for oversize balls, but a circuit has only one flank";
-        return Err(bad(key.name(), what));
+        return Err(invalid_input(key.name(), what));
     }
     if by == PreloadKind::Oversize && case.entries.preload_arrangement.is_some() {
-        return Err(bad("preload_arrangement", "applies only to a pair of nuts"));
+        return Err(invalid_input("preload_arrangement", "applies only to a pair of nuts"));
     }
     let amount = match (key, by) {
         (K::preload_N, PreloadKind::Oversize) => Amount::Force(value),
@@ -149,7 +149,7 @@ pub(super) fn support(case: &Case) -> Result<Support, CaseError> {
                     "has no effect, because the guides prevent the displacement; set nut_guidance to free, or give {}",
                     keys[2].name()
                 );
-                return Err(bad(keys[0].name(), what));
+                return Err(invalid_input(keys[0].name(), what));
             }
             [_, None, None] => Freedom::Held(0.0),
         };

@@ -18,16 +18,16 @@ use super::draw::draw;
 use super::friction::FrictionSource;
 use super::loading::{Amount, arrangement, preload, preload_of_bodies, support};
 use super::train::BallGaps;
-use crate::case::axis::{Machine, TorqueTolerance, carriage, thread_length};
+use crate::case::axis::{AxisModel, TorqueTolerance, carriage, thread_length};
 use crate::case::file::RISES;
 use crate::case::problem::has_lubricant;
 use crate::case::rated_nut::{self, assumed_preload};
 use crate::case::reader::has_grooves;
 use crate::case::warm::Warm;
 use crate::vocabulary::entries::Named;
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::input_set::inputs;
-use crate::vocabulary::number::{trimmed, whole};
+use crate::vocabulary::number::{format_trimmed, whole};
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Case, CaseError, InputKey, InputSet, ModelChoice, Rule, Settings};
 
@@ -231,14 +231,18 @@ impl NutProblem {
     ///
     /// Returns [`NutError`] if no ball can carry the load, or if no displacement produces the
     /// preload.
-    pub(crate) fn made(&self) -> Result<NutAtRest, NutError> {
-        if self.scatter > 0.0 { self.drawn(self.seed, 0, &[]).carried() } else { self.carried() }
+    pub(crate) fn solve_at_rest(&self) -> Result<NutAtRest, NutError> {
+        if self.scatter > 0.0 {
+            self.with_random_errors(self.seed, 0, &[]).solve_without_errors()
+        } else {
+            self.solve_without_errors()
+        }
     }
 
     /// Returns a copy of the nut with random ball radii and random phases of its lead errors.
     ///
     /// * `waves`: indices of the lead errors with random phases.
-    pub(crate) fn drawn(&self, seed: u64, number: u64, waves: &[usize]) -> Self {
+    pub(crate) fn with_random_errors(&self, seed: u64, number: u64, waves: &[usize]) -> Self {
         let mut one = self.clone();
         draw(&mut one.nut, self.scatter, waves, seed, number);
         one
@@ -250,7 +254,7 @@ impl NutProblem {
     }
 
     /// Preloads and loads the nut without drawing random errors.
-    pub(crate) fn carried(&self) -> Result<NutAtRest, NutError> {
+    pub(crate) fn solve_without_errors(&self) -> Result<NutAtRest, NutError> {
         let guided = Support::guided(0.0);
         let cold = match self.preload {
             None => self.nut.clone(),
@@ -340,12 +344,12 @@ impl Case {
         if !cycles && !carriage(self)?.is_loaded() {
             return Ok(None);
         }
-        let axis = Machine::of(self)?.axis;
+        let axis = AxisModel::of(self)?.axis;
         let pressed = axis.heaviest().filter(|phase| phase.load != 0.0 || self.is_preloaded());
         let Some(phase) = pressed else {
             let what = "does not load the nut, which has no preload either";
             return Err(if cycles {
-                bad("cycle", what)
+                invalid_input("cycle", what)
             } else {
                 CaseError::Invalid(format!(
                     "the axis {what}; give axial_load_N, a cycle, or a preload"
@@ -365,8 +369,8 @@ impl Case {
         };
         let note = format!(
             "The nut is calculated {at}: {} N at {} rpm.",
-            trimmed(phase.load),
-            trimmed(speed / RPM)
+            format_trimmed(phase.load),
+            format_trimmed(speed / RPM)
         );
         Ok(Some((point, note)))
     }
@@ -378,7 +382,7 @@ impl Case {
             (rule.holds(value) && !key.input().rule.holds(value)).then_some(key)
         };
         let wider: InputSet = WIDER.iter().filter_map(wider).collect();
-        self.check_but(wider.and(self.speeds_at_rest()))
+        self.check_but(wider.union(self.speeds_at_rest()))
     }
 }
 
@@ -433,7 +437,7 @@ fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
     let given = nut.errors.balls.len();
     if given > 0 && given != nut.balls() {
         let what = format!("has {given} numbers, but the nut has {} balls", nut.balls());
-        return Err(bad("ball_deviation_um", what));
+        return Err(invalid_input("ball_deviation_um", what));
     }
     Ok((nut, way))
 }
@@ -518,7 +522,7 @@ fn notes(
 
 /// Inputs that only the nut analysis uses. Other commands print a note that they ignore these
 /// inputs.
-pub(crate) const OF_A_NUT: InputSet = inputs! {
+pub(crate) const NUT_ONLY_INPUTS: InputSet = inputs! {
     preload_N preload_offset_um ball_oversize_um radial_load_x_N radial_load_y_N moment_x_Nm
     moment_y_Nm tilt_x_urad tilt_y_urad radial_x_um radial_y_um
 };

@@ -3,9 +3,9 @@
 use bsm_nut::{BallNut, Exit, ExitPush, TrainInputs};
 
 use super::friction::FrictionSource;
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::units::{DEG, MM};
-use crate::{Case, CaseError, InputKey, Rule, exact};
+use crate::{Case, CaseError, InputKey, Rule, format_exact};
 
 /// Spacers, gaps and friction between the balls of a nut.
 #[derive(Debug, Clone)]
@@ -22,13 +22,13 @@ pub(crate) struct BallGaps {
 /// Returns a message that states how many balls fit into a circuit.
 ///
 /// * `spacer`: thickness of the spacers \[m\].
-pub(crate) fn room(nut: &BallNut, circuit: usize, spacer: f64) -> String {
+pub(crate) fn room_message(nut: &BallNut, circuit: usize, spacer: f64) -> String {
     let arc = nut.circuits[circuit].arc;
     format!(
         "circuit {circuit} is {:.0} mm long and has room for {} balls with a diameter of {} mm",
         arc * nut.helix.arc_length_per_radian() / MM,
         nut.room(circuit, spacer),
-        exact(2.0 * nut.ball.radius / MM)
+        format_exact(2.0 * nut.ball.radius / MM)
     )
 }
 
@@ -58,7 +58,7 @@ impl BallGaps {
                 return Ok(Self { spacer, friction, train: None });
             };
             let what = "also needs ball_gap_mm of the nut for the other circuits";
-            return Err(bad(own_path(circuit), what));
+            return Err(invalid_input(own_path(circuit), what));
         };
         let gap_of = |circuit: usize| {
             let gap = own(circuit).unwrap_or(gap);
@@ -67,7 +67,7 @@ impl BallGaps {
                 return Ok(gap * MM);
             }
             let key = own(circuit).map_or_else(|| "ball_gap_mm".to_owned(), |_| own_path(circuit));
-            let (room, rule) = (room(nut, circuit, spacer), rule.describe());
+            let (room, rule) = (room_message(nut, circuit, spacer), rule.describe());
             Err(CaseError::out_of_range(key, gap, format!("{rule}: {room}")))
         };
         let gaps = (0..circuits).map(gap_of).collect::<Result<_, _>>()?;
@@ -83,7 +83,7 @@ impl BallGaps {
         };
         if case.ball_contact_force_N.is_some_and(|force| force > 0.0) {
             let what = "must not be given together with ball_gap_mm, which determines the force between the balls";
-            return Err(bad("ball_contact_force_N", what));
+            return Err(invalid_input("ball_contact_force_N", what));
         }
         let train = friction.map(|contact_friction| TrainInputs {
             gaps,

@@ -8,10 +8,10 @@ use bsm_nut::thermal::{
 };
 use bsm_nut::{BallNut, Equilibrium, NutError, Support};
 
-use crate::case::axis::Machine;
+use crate::case::axis::AxisModel;
 use crate::case::nut::NutPreload;
 use crate::case::thermal::{set_temperature, thermal_axis};
-use crate::vocabulary::error::bad;
+use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::units::RPM;
 use crate::{Case, CaseError, InputKey, NutProblem, Settings};
 
@@ -37,7 +37,7 @@ impl ColdNut {
     pub(crate) fn of(
         case: &Case,
         settings: &Settings,
-        machine: &Machine,
+        machine: &AxisModel,
     ) -> Result<Self, CaseError> {
         let mut cold = case.cold().without_carriage();
         let celsius = case.number(InputKey::preload_temperature_C);
@@ -49,8 +49,8 @@ impl ColdNut {
             cold.lubricant_temperature_C = Some(celsius);
         }
         let problem = NutProblem::of(&cold, settings)?;
-        let made = problem.made().map_err(CaseError::Nut)?;
-        let (nut, preload, found) = (made.nut, made.preload, made.found);
+        let at_rest = problem.solve_at_rest().map_err(CaseError::Nut)?;
+        let (nut, preload, found) = (at_rest.nut, at_rest.preload, at_rest.found);
         let unloaded = preload.map(|_| nut.solve(&Support::guided(0.0)));
         let unloaded = unloaded.transpose().map_err(CaseError::Nut)?;
         Ok(Self { problem, nut, found, preload, unloaded, set: set_temperature(case) })
@@ -70,7 +70,7 @@ impl ColdNut {
 
     /// Returns the ratio of drag torque to preload, `$K_x h$` \[m\], for the part of the drag that
     /// is not due to the contacts. The ratio is 0 without a preload.
-    pub(crate) fn drag(&self, case: &Case, machine: &Machine) -> f64 {
+    pub(crate) fn drag(&self, case: &Case, machine: &AxisModel) -> f64 {
         if let Some(factor) = case.extra_drag_factor {
             return factor * machine.advance();
         }
@@ -91,7 +91,7 @@ impl ColdNut {
 /// An axis with the data that determine its warm state.
 pub(crate) struct WarmAxis<'a> {
     case: &'a Case,
-    machine: &'a Machine,
+    machine: &'a AxisModel,
     pub(super) cold: ColdNut,
 }
 
@@ -100,18 +100,18 @@ impl<'a> WarmAxis<'a> {
     pub(crate) fn of(
         case: &'a Case,
         settings: &Settings,
-        machine: &'a Machine,
+        machine: &'a AxisModel,
     ) -> Result<Self, CaseError> {
         if case.is_warm() {
             let what = "calculates temperature rises and the tension of the screw, so they must not be given";
-            return Err(bad("warm_state", what));
+            return Err(invalid_input("warm_state", what));
         }
         if case.axis_heat_transfer_W_K.or(case.heat_transfer_W_K).is_some() {
             let what = "uses a thermal network of five nodes, so the heat transfer of a single node must not be given";
-            return Err(bad("warm_state", what));
+            return Err(invalid_input("warm_state", what));
         }
         if machine.travel(case)?.is_none() {
-            return Err(bad("warm_state", "needs stroke_mm"));
+            return Err(invalid_input("warm_state", "needs stroke_mm"));
         }
         if !case.given().has_friction() {
             let missing = ["friction_coefficient or a lubricant".to_owned()];
@@ -130,7 +130,7 @@ impl<'a> WarmAxis<'a> {
     pub(crate) fn nut(&self) -> Result<WarmNut<'_>, CaseError> {
         let Self { case, machine, ref cold } = *self;
         let axis = thermal_axis(case, machine, cold.link()?)?;
-        let Some(axis) = axis else { return Err(bad("warm_state", "needs stroke_mm")) };
+        let Some(axis) = axis else { return Err(invalid_input("warm_state", "needs stroke_mm")) };
         let samples = machine.axis.phases.iter().flat_map(bsm_design::Phase::samples);
         let phase = |(time, point): (f64, bsm_design::PhasePoint)| WarmPhase {
             time,

@@ -5,7 +5,7 @@ import { start } from "bsm/source";
 
 const LABEL = new Map(start.schema.inputs.map(({ name, label, unit }) => [name, [label, unit]]));
 
-export class Beside {
+export class Comparison {
   /** `edit` is called with the case to show, and `changed` is called when the list of kept cases changes. */
   constructor(host, { edit, changed }) {
     Object.assign(this, { host, edit, changed, kept: [] });

@@ -42,7 +42,7 @@ answer! {
 ///
 /// * `verdicts`: names and wordings of the true-or-false statements.
 /// * `lacks`: parts of the analysis that are omitted for reasons other than missing inputs.
-pub(crate) fn of_a_motion<T: NumberTable>(
+pub(crate) fn motion_answer<T: NumberTable>(
     case: &Case,
     solution: &Solution,
     numbers: Numbers,
@@ -188,7 +188,7 @@ impl MovingBall {
 }
 
 impl MotionAnswer {
-    /// Solves the case with the model that `ModelChoice::of_motion` selects.
+    /// Solves the case with the model that `ModelChoice::for_motion` selects.
     ///
     /// # Errors
     ///
@@ -198,7 +198,7 @@ impl MotionAnswer {
         settings: &Settings,
         work: &mut ModelWorkspace,
     ) -> Result<Self, CaseError> {
-        let settings = Settings { model: settings.model.of_motion(case.stated()), ..*settings };
+        let settings = Settings { model: settings.model.for_motion(case.stated()), ..*settings };
         let solution = case.problem(&settings)?.solve(work);
         Ok(Self { settings, solution })
     }
