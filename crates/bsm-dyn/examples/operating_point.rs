@@ -33,7 +33,7 @@ fn main() -> Result<(), Error> {
     ] {
         let solution = problem.solve(&mut workspace);
         let model = solution.model.name();
-        match solution.answer {
+        match solution.result {
             Ok(state) => {
                 let efficiency = state.transmission.efficiency;
                 write!(stdout(), "{model:16} efficiency {efficiency:.5}")?;

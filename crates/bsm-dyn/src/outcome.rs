@@ -189,7 +189,7 @@ pub enum Reason {
         most: f64,
     },
     /// The search failed: it found no root, but could not exclude that a root exists.
-    SearchLost,
+    SearchFailed,
     /// The curvatures of ball and groove do not result in a contact ellipse with its long axis
     /// across the groove.
     CurvaturesNotHertzian {
@@ -201,8 +201,8 @@ pub enum Reason {
     /// The ball does not orbit around the axis (`$P = 0$`), so no gyroscopic moment balances the
     /// friction couple.
     BallDoesNotCircle,
-    /// The inertia ratio `$m r_m W^2/F_a$` is too small or too large to balance the forces in double
-    /// precision. This reason is always given below 1e-100 and above 1e28.
+    /// The inertia ratio `$m r_m W^2/F_a$` is too small or too large to balance the forces in
+    /// double precision. This reason is always given below 1e-100 and above 1e28.
     InertiaOutOfRange {
         /// Inertia ratio at the operating point.
         inertia_ratio: f64,
@@ -295,7 +295,7 @@ impl fmt::Display for Reason {
                 "the ball slides only at inertia ratios from {least:.3e} to {most:.3e}, but the inertia ratio is \
                  {inertia:.3e}"
             ),
-            Self::SearchLost => {
+            Self::SearchFailed => {
                 write!(f, "the search found no root, but could not exclude that a root exists")
             }
             Self::CurvaturesNotHertzian { longitudinal, transverse } => write!(
@@ -409,13 +409,13 @@ impl fmt::Display for Evidence {
 /// Status and reason of a solve without a solution, with the evidence (if any) that no solution
 /// exists.
 #[derive(Debug, Clone, PartialEq)]
-pub struct NoAnswer {
+pub struct SolveFailure {
     status: Status,
     reason: Reason,
     evidence: Option<Evidence>,
 }
 
-impl fmt::Display for NoAnswer {
+impl fmt::Display for SolveFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.status.name(), self.reason)?;
         match self.evidence {
@@ -425,14 +425,14 @@ impl fmt::Display for NoAnswer {
     }
 }
 
-impl Error for NoAnswer {}
+impl Error for SolveFailure {}
 
-impl NoAnswer {
+impl SolveFailure {
     /// Outcome of a failed search: no root was found, but a root may exist.
-    pub(crate) const LOST: Self = Self::not_converged(Reason::SearchLost);
+    pub(crate) const SEARCH_FAILED: Self = Self::not_converged(Reason::SearchFailed);
 
     /// Creates an outcome with the status `no_solution` and with evidence that no solution exists.
-    pub(crate) fn none(evidence: Evidence, reason: Reason) -> Self {
+    pub(crate) fn no_solution(evidence: Evidence, reason: Reason) -> Self {
         Self { status: Status::NoSolution, reason, evidence: Some(evidence) }
     }
 
@@ -464,6 +464,6 @@ impl NoAnswer {
 }
 
 /// Creates the outcome of a model whose equations cannot be evaluated.
-pub(crate) fn domain_error(error: EvalError) -> NoAnswer {
-    NoAnswer::not_converged(Reason::Refused { error })
+pub(crate) fn domain_error(error: EvalError) -> SolveFailure {
+    SolveFailure::not_converged(Reason::Refused { error })
 }

@@ -6,7 +6,7 @@ use bsm_dyn::internals::{ElasticMotion, SlidingBall, SlidingRoot, SlidingState, 
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
+use crate::contacts::{Contacts, ElasticResults, UnitsCall};
 use crate::inputs::{Lane, LaneInputs, Mask};
 use crate::kernel::{Kernel, Sink};
 use crate::rigid::slip_angles;
@@ -38,12 +38,12 @@ impl Kernel for ElasticKernel {
         let power = skid.friction_power();
         let ideal = ideal_torque(units.axial, units.pitch, lead.0 / lead.1);
         let transmission =
-            &units.answer().transmission(ideal, skid.torque(), back.select(-power, power));
+            &units.result_units().transmission(ideal, skid.torque(), back.select(-power, power));
         let slip_angles = slip_angles(out, skid.friction());
         let (slip, rate) = (skid.at.motion.slip, skid.rate);
         let motion =
             ElasticMotion { slip, spin, slip_angles, rate, to_nut, friction_in_balance: true };
-        given.simd.vectorize(ElasticAnswer {
+        given.simd.vectorize(ElasticResults {
             out,
             units: &units,
             contacts: &contacts,

@@ -14,7 +14,7 @@ use bsm_simd::{NullaryFnOnce, Simd};
 
 use self::friction::Ellipse;
 use self::oil::OilLane;
-use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
+use crate::contacts::{Contacts, ElasticResults, UnitsCall};
 use crate::inputs::{Lane, LaneInputs, Mask};
 use crate::kernel::{Kernel, Sink};
 use crate::units::Units;
@@ -114,12 +114,12 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let elastic = ElasticMotion {
             slip: [contacts.scaled.lead.0 * 0.5; 2],
             spin: motion.spin,
-            slip_angles: Some([units.answer().back().select(one * PI, zero); 2]),
+            slip_angles: Some([units.result_units().back().select(one * PI, zero); 2]),
             rate: motion.p + contacts.scaled.nut_speed,
             to_nut: motion.omega,
             friction_in_balance: false,
         };
-        given.simd.vectorize(ElasticAnswer {
+        given.simd.vectorize(ElasticResults {
             out: &mut *out,
             units,
             contacts,

@@ -6,7 +6,7 @@
 use std::cell::Cell;
 
 use bsm_dyn::{
-    Control, Coulomb, ElasticPoint, Load, Model, NoAnswer, OperatingPoint, Solution,
+    Control, Coulomb, ElasticPoint, Load, Model, OperatingPoint, Solution, SolveFailure,
     gothic::{
         ArchFit, AxialCondition, GothicBall, GothicPair, GothicState, GothicWorkspace, RunningPair,
     },
@@ -320,14 +320,14 @@ impl BallNut {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no steady motion of the balls exists or was found.
+    /// Returns [`SolveFailure`] if no steady motion of the balls exists or was found.
     pub fn running_pair(
         &self,
         preload: f64,
         friction: FlankFriction,
         drive: &Drive<f64>,
         play: Option<f64>,
-    ) -> Option<Result<RunningPair, NoAnswer>> {
+    ) -> Option<Result<RunningPair, SolveFailure>> {
         let (balls, friction) = (self.balls_of_a_pair()?, friction.coefficients()?);
         let axial_play = play.unwrap_or(f64::INFINITY);
         let fit = ArchFit { axial_play, radial_gap: self.errors.gap, oversize: 0.0 };
@@ -571,7 +571,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         &mut self,
         number: usize,
         (friction, far_flanks): ([f64; 2], FarFlanks),
-    ) -> Result<GothicState, NoAnswer> {
+    ) -> Result<GothicState, SolveFailure> {
         let axial = self.axial_force(number);
         let play = match far_flanks {
             FarFlanks::WithPlay(play) => play,

@@ -665,7 +665,7 @@ pub(crate) fn message(reason: &Reason) -> String {
         Reason::NoSkidAtInertia { inertia, least, most } => format!(
             "the ratio of inertia forces to axial load, m r_m W^2/F_a, is {inertia:.3e}; solutions with skid on both flanks exist only for ratios from {least:.3e} to {most:.3e}. Change axial_load_N or the speed"
         ),
-        Reason::SearchLost => "the search for a steady motion failed: none was found, but \
+        Reason::SearchFailed => "the search for a steady motion failed: none was found, but \
              one may exist. Change the inputs slightly, or use another model"
             .to_owned(),
         Reason::CurvaturesNotHertzian { longitudinal, transverse } => format!(

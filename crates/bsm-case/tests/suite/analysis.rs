@@ -47,7 +47,7 @@ fn slip_report_matches_the_model() {
     for (screw, nut) in [(5000.0, 0.0), (-3000.0, 0.0), (0.0, 1500.0), (2500.0, -1700.0)] {
         let case = case(XU, &[("screw_speed_rpm", screw), ("nut_speed_rpm", nut)]);
         for model in [Model::RacewayControl, Model::Traction] {
-            let o = solved(&case, &model.into()).answer.expect("a solution").ball;
+            let o = solved(&case, &model.into()).result.expect("a solution").ball;
             let report = slip(&case, model);
             for (name, value) in [
                 ("nut_differential_slip_m_s", o.nut.slip.map(|slip| slip.speed)),

@@ -7,7 +7,7 @@ use bsm_kin::{Jet, Real};
 
 use crate::models::ball::{
     Basis, Choice, ContactState, Direction, ElasticContacts, ElasticPoint, ErrorBound, Model,
-    NoAnswer, Performance, SlipRegime, Solution, SteadyState,
+    Performance, SlipRegime, Solution, SolveFailure, SteadyState,
 };
 use crate::models::elastic::{Elastic, SlidingBall};
 use crate::models::raceway_control::RacewayControl;
@@ -85,7 +85,7 @@ impl Auto {
                 let basis = Basis::Integrated { accuracy };
                 (self.chosen(&found.solved, Some(error), basis), Some(found.root))
             }
-            Err(none) => {
+            Err(failure) => {
                 let solution = match known {
                     // If the ball rolls but the traction model fails, the less accurate result of
                     // raceway control is better than no result.
@@ -102,12 +102,12 @@ impl Auto {
                         let basis = Basis::Rolling { onset_number: errors.onset_number };
                         // If no solution of the traction model exists, the error relative to that
                         // solution is undefined.
-                        let exists = none.status() != Status::NoSolution;
+                        let exists = failure.status() != Status::NoSolution;
                         let bound =
                             Some(errors.rolling).filter(|bound| exists && bound.is_finite());
                         self.chosen(&solved, bound, basis)
                     }
-                    _ => Solution::new(Model::Traction, Err(none)),
+                    _ => Solution::new(Model::Traction, Err(failure)),
                 };
                 (solution, None)
             }
@@ -121,7 +121,7 @@ impl Auto {
             Direction::of(self.at.point.drive.relative_speed()).expect("the point was solved");
         let efficiency = solved.transmission.efficiency;
         let error = error_bound.map(|bound| ErrorBound::of(direction, efficiency, bound));
-        Solution { model: basis.model(), answer: Ok(SteadyState { error, ..*solved }), choice }
+        Solution { model: basis.model(), result: Ok(SteadyState { error, ..*solved }), choice }
     }
 }
 
@@ -131,11 +131,11 @@ impl<const M: usize> Auto<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let Self { at, tolerance } = *self;
         let (solution, root) = Auto { at: at.values(), tolerance }.solve_for_root(work);
-        let basis = match solution.answer {
-            Err(none) => return Err(none),
+        let basis = match solution.result {
+            Err(failure) => return Err(failure),
             Ok(_) => solution.choice.map(|choice| choice.basis),
         };
         match (basis, root) {

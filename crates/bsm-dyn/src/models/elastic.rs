@@ -24,7 +24,7 @@ use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
 use crate::models::ball::{
-    BALL, BallLoads, ElasticContacts, ElasticPoint, Model, NoAnswer, ROWS, Reason, Solution,
+    BALL, BallLoads, ElasticContacts, ElasticPoint, Model, ROWS, Reason, Solution, SolveFailure,
     SolveInfo, SteadyState, Workspace, domain_error, equations, friction_power, weight,
 };
 
@@ -156,8 +156,8 @@ impl GrossSlip {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root is found.
-    pub(crate) fn start(contacts: &ElasticContacts) -> Result<Self, NoAnswer> {
+    /// Returns [`SolveFailure`] if no root is found.
+    pub(crate) fn start(contacts: &ElasticContacts) -> Result<Self, SolveFailure> {
         let (y, steps) = root(contacts, true)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual: f64::NAN })
@@ -167,8 +167,11 @@ impl GrossSlip {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root exists or if the search fails.
-    pub(crate) fn of(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<Self, NoAnswer> {
+    /// Returns [`SolveFailure`] if no root exists or if the search fails.
+    pub(crate) fn of(
+        contacts: &ElasticContacts,
+        newton: &mut Workspace,
+    ) -> Result<Self, SolveFailure> {
         let (y, steps, residual) = find(contacts, newton)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual })
@@ -182,14 +185,14 @@ type ElasticRoot = ([f64; BALL], usize, f64);
 ///
 /// # Errors
 ///
-/// Returns [`NoAnswer`] if no root exists or if the search fails.
-fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, NoAnswer> {
+/// Returns [`SolveFailure`] if no root exists or if the search fails.
+fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, SolveFailure> {
     let (mut y, steps) = root(contacts, false)?;
     let report = run(contacts, &mut y, newton);
     if report.converged() {
         return Ok((y, steps + report.steps.len(), report.residual));
     }
-    Err(NoAnswer::not_converged(Reason::from(report)))
+    Err(SolveFailure::not_converged(Reason::from(report)))
 }
 
 /// Returns the factor by which the inertia must be multiplied so that the ratio of inertia force to
@@ -240,13 +243,13 @@ impl Elastic {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root exists, if the search fails, or if the power balance is
+    /// Returns [`SolveFailure`] if no root exists, if the search fails, or if the power balance is
     /// violated.
     pub(crate) fn solved(
         &self,
         contacts: &ElasticContacts,
         work: &mut ElasticWorkspace,
-    ) -> Result<SteadyState, NoAnswer> {
+    ) -> Result<SteadyState, SolveFailure> {
         let GrossSlip { state, steps, residual } = GrossSlip::of(contacts, &mut work.0)?;
         let ball = self.at.ball_state(contacts, &state.loaded, &state.to_nut, true)?;
         let slips = state.slip.map(|slip| slip.norm());

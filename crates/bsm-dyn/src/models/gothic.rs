@@ -26,8 +26,8 @@ use crate::contact::{
 };
 use crate::ellipse::{Quadrature, Rules, pressed_radius};
 use crate::models::ball::{
-    BallState, ContactState, ElasticPoint, FarFlank, HertzContact, Model, NoAnswer, Performance,
-    Reason, Slip, Solution, SolveInfo, SteadyState, ThirdContact, Transmission, Workspace,
+    BallState, ContactState, ElasticPoint, FarFlank, HertzContact, Model, Performance, Reason,
+    Slip, Solution, SolveFailure, SolveInfo, SteadyState, ThirdContact, Transmission, Workspace,
     moving_root,
 };
 
@@ -187,14 +187,15 @@ impl GothicBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the grooves cannot carry the axial force, if the screw and the nut
-    /// have no relative speed, if a friction coefficient is not positive, or if no root is found.
+    /// Returns [`SolveFailure`] if the grooves cannot carry the axial force, if the screw and the
+    /// nut have no relative speed, if a friction coefficient is not positive, or if no root is
+    /// found.
     pub fn solve(
         &self,
         condition: AxialCondition,
         near: Option<&GothicState>,
         work: &mut GothicWorkspace,
-    ) -> Result<GothicState, NoAnswer> {
+    ) -> Result<GothicState, SolveFailure> {
         self.check()?;
         let grooves = Grooves::of(&self.at, &self.fit)?;
         let at_rest = grooves.at_rest(condition, &mut work.rest)?;
@@ -253,13 +254,13 @@ impl GothicBall {
 
     /// Checks that the friction coefficients are positive and that the nut and the screw have a
     /// relative speed.
-    fn check(&self) -> Result<(), NoAnswer> {
+    fn check(&self) -> Result<(), SolveFailure> {
         self.at.point.require_friction()?;
         if self.far_friction.0.is_nan() || self.far_friction.0 <= 0.0 {
-            return Err(NoAnswer::invalid(Reason::Frictionless));
+            return Err(SolveFailure::invalid(Reason::Frictionless));
         }
         if self.at.point.drive.relative_speed() == 0.0 {
-            return Err(NoAnswer::invalid(Reason::NoRelativeSpeed));
+            return Err(SolveFailure::invalid(Reason::NoRelativeSpeed));
         }
         Ok(())
     }
@@ -273,7 +274,7 @@ impl GothicBall {
         at_rest: &[f64; PLACE],
         work: &mut GothicWorkspace,
         start: impl Fn(Start, &mut TractionWorkspace) -> Option<Root>,
-    ) -> Result<GothicState, NoAnswer> {
+    ) -> Result<GothicState, SolveFailure> {
         let GothicWorkspace { traction, newton, rest, rules } = work;
         let [[coarse, _], [smooth, _], [quadrature, _]] =
             rules.dry([COARSE, SEARCH, self.accuracy]);
@@ -298,7 +299,7 @@ impl GothicBall {
         };
         let info = SolveInfo { steps: search.steps, residual };
         let balance = Balance { frozen_rules: Some(&rules), ..search.balance };
-        self.answer(&balance, &unknowns, info)
+        self.gothic_state(&balance, &unknowns, info)
     }
 
     /// Returns the axial displacement \[m\] of the nut from its middle position at which the +
@@ -306,8 +307,8 @@ impl GothicBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the ball does not fit into the grooves.
-    pub fn first_touch(&self) -> Result<f64, NoAnswer> {
+    /// Returns [`SolveFailure`] if the ball does not fit into the grooves.
+    pub fn first_touch(&self) -> Result<f64, SolveFailure> {
         let grooves = Grooves::of(&self.at, &self.fit)?;
         Ok(grooves.first_touch() / grooves.lead.1)
     }
@@ -317,12 +318,12 @@ impl GothicBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no flank carries a load.
+    /// Returns [`SolveFailure`] if no flank carries a load.
     pub fn force_at_rest(
         &self,
         deflection: f64,
         work: &mut GothicWorkspace,
-    ) -> Result<f64, NoAnswer> {
+    ) -> Result<f64, SolveFailure> {
         let grooves = Grooves::of(&self.at, &self.fit)?;
         let u = grooves.first_touch() / grooves.lead.1 + deflection;
         let place = grooves.at_rest(AxialCondition::Displacement(u), &mut work.rest)?;
@@ -334,12 +335,12 @@ impl GothicBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the grooves cannot carry the force.
+    /// Returns [`SolveFailure`] if the grooves cannot carry the force.
     pub fn deflection_at_rest(
         &self,
         axial: f64,
         work: &mut GothicWorkspace,
-    ) -> Result<f64, NoAnswer> {
+    ) -> Result<f64, SolveFailure> {
         let grooves = Grooves::of(&self.at, &self.fit)?;
         let place = grooves.at_rest(AxialCondition::Force(axial), &mut work.rest)?;
         Ok((place[2] - grooves.first_touch()) / grooves.lead.1)
@@ -412,12 +413,12 @@ impl GothicBall {
     }
 
     /// Converts a root into a steady state in SI units after checking its power balance.
-    fn answer(
+    fn gothic_state(
         &self,
         balance: &Balance<'_>,
         unknowns: &[f64; UNKNOWNS],
         info: SolveInfo,
-    ) -> Result<GothicState, NoAnswer> {
+    ) -> Result<GothicState, SolveFailure> {
         let point = &self.at.point;
         let frame = self.frame();
         let state = balance.evaluated(unknowns);
@@ -434,7 +435,7 @@ impl GothicBall {
         let friction: f64 = pressed.iter().flatten().map(|pressed| pressed.power).sum();
         let imbalance = power.imbalance(friction);
         if imbalance.is_nan() || imbalance.abs() > POWER_BALANCE_TOL {
-            return Err(NoAnswer::not_converged(Reason::PowerDoesNotBalance { imbalance }));
+            return Err(SolveFailure::not_converged(Reason::PowerDoesNotBalance { imbalance }));
         }
         let contacts =
             from_fn(|i| pressed[i].as_ref().map(|pressed| self.contact(i, pressed, &to_nut)));
@@ -536,7 +537,10 @@ impl GothicBall {
 
     /// Returns the steady state of all balls. If a far flank carries a load, also returns the root
     /// of the force and moment balance.
-    fn steady(&self, work: &mut GothicWorkspace) -> Result<(SteadyState, Option<Root>), NoAnswer> {
+    fn steady(
+        &self,
+        work: &mut GothicWorkspace,
+    ) -> Result<(SteadyState, Option<Root>), SolveFailure> {
         self.check()?;
         let load = self.at.point.load;
         let condition = AxialCondition::Force(load.per_ball());
@@ -564,7 +568,7 @@ impl GothicBall {
             return Ok((SteadyState { far_flank: Some(far_flank), ..two }, None));
         }
         let [Some(nut), _, Some(screw), _] = state.contacts else {
-            return Err(NoAnswer::LOST);
+            return Err(SolveFailure::SEARCH_FAILED);
         };
         let ball = BallState {
             motion: Some(state.motion),
@@ -607,7 +611,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         work: &mut GothicWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let ball = self.values();
         if let (_, Some(root)) = ball.steady(work)? {
             return self.third_contact_slopes(&ball, &root, work);
@@ -623,7 +627,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
         ball: &GothicBall,
         root: &Root,
         work: &mut GothicWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let load = self.at.point.load;
         let grooves = Grooves::of(&ball.at, &ball.fit)?;
         let condition = AxialCondition::Force(ball.at.point.load.per_ball());
@@ -761,7 +765,7 @@ impl Search<'_> {
 
     /// Returns the root near `y`. The node counts of the quadrature stay fixed at their values for
     /// `y`.
-    fn refined(&mut self, y: [f64; UNKNOWNS]) -> Result<Found, NoAnswer> {
+    fn refined(&mut self, y: [f64; UNKNOWNS]) -> Result<Found, SolveFailure> {
         let rules = FrozenRules::default();
         let balance = Balance { frozen_rules: Some(&rules), ..self.balance };
         let (unknowns, residual) = self.solved(&balance, y, ROOT)?;
@@ -775,7 +779,7 @@ impl Search<'_> {
         balance: &Balance<'_>,
         mut y: [f64; UNKNOWNS],
         residual_tol: f64,
-    ) -> Result<([f64; UNKNOWNS], f64), NoAnswer> {
+    ) -> Result<([f64; UNKNOWNS], f64), SolveFailure> {
         let jacobian = JacobianUpdate::EveryTrial { chord_below: CHORD_RESIDUAL };
         let convergence =
             Convergence { residual_tol, residual_goal: residual_tol, max_steps: MAX_STEPS };
@@ -783,7 +787,7 @@ impl Search<'_> {
         let Outcome { report, last, .. } = balance.run(&mut y, &options, self.newton);
         self.steps += report.steps.len();
         if !report.converged() {
-            return Err(NoAnswer::not_converged(Reason::from(report)));
+            return Err(SolveFailure::not_converged(Reason::from(report)));
         }
         // The residual after the final step is not evaluated.
         let step = last.and_then(|(residual, ())| self.newton.correction(&residual).ok());
@@ -795,7 +799,7 @@ impl Search<'_> {
 
     /// Finds the root by a continuation that starts from the ball at rest and lowers the creep
     /// speed.
-    fn by_lowering_creep(&mut self, at_rest: &[f64; PLACE]) -> Result<Found, NoAnswer> {
+    fn by_lowering_creep(&mut self, at_rest: &[f64; PLACE]) -> Result<Found, SolveFailure> {
         let Self { balance, smooth, .. } = *self;
         // The first continuation may fail because the integrals with the coarser quadrature rule
         // can jump. In this case, a second continuation uses the requested quadrature rule.
@@ -808,7 +812,7 @@ impl Search<'_> {
         &mut self,
         balance: &Balance<'_>,
         at_rest: &[f64; PLACE],
-    ) -> Result<Found, NoAnswer> {
+    ) -> Result<Found, SolveFailure> {
         let sign = balance.at.point.drive.relative_speed().signum();
         // At the start, the ball precesses at half the speed of the screw and rolls about b,
         // because the raceways of the nut and the screw are on opposite sides of the ball.
@@ -818,15 +822,15 @@ impl Search<'_> {
             _ => motion[i - PLACE],
         });
         let control = Continuation { first: 0.9, shortest: 0.02 };
-        let (end, mut failure) = (balance.creep, NoAnswer::not_converged(Reason::SearchLost));
+        let (end, mut failure) = (balance.creep, SolveFailure::SEARCH_FAILED);
         follow(&mut y, (FIRST_CREEP.max(end).ln(), end.ln()), control, |log, y| {
             match self.solved(&Balance { creep: log.exp(), ..*balance }, *y, PATH_RESIDUAL) {
                 Ok((found, _)) => {
                     *y = found;
                     true
                 }
-                Err(why) => {
-                    failure = why;
+                Err(error) => {
+                    failure = error;
                     false
                 }
             }

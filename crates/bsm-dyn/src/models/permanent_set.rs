@@ -9,7 +9,7 @@ use bsm_kin::Scalar;
 use bsm_newton::{Convergence, EvalError, Options, Scales, solve};
 
 use crate::contact::{Curvatures, Hertz};
-use crate::models::ball::{ElasticPoint, NoAnswer, Reason, Workspace, domain_error, equations};
+use crate::models::ball::{ElasticPoint, Reason, SolveFailure, Workspace, domain_error, equations};
 
 /// Loads and contact angles that include permanent deformation. Arrays with two elements contain
 /// the values at the nut and the screw.
@@ -50,8 +50,8 @@ impl ElasticPoint {
         &self,
         loads: [f64; 2],
         angles: [f64; 2],
-    ) -> Result<PermanentSet, NoAnswer> {
-        let invalid = NoAnswer::invalid;
+    ) -> Result<PermanentSet, SolveFailure> {
+        let invalid = SolveFailure::invalid;
         let hertz = self.hertz().map_err(invalid)?;
         let curvatures = self.curvatures();
         let [nut_offset, screw_offset] = self.grooves().map(|g| g.offset(self.point.ball.radius));
@@ -73,12 +73,12 @@ impl ElasticPoint {
         let options = Options { convergence, ..Options::default() };
         let report = solve(&closure, &mut x, &scales, &options, &mut Workspace::default()).report;
         if !report.converged() {
-            return Err(NoAnswer::not_converged(Reason::from(report)));
+            return Err(SolveFailure::not_converged(Reason::from(report)));
         }
         let (loads, cotangents) = closure.forces(x[0]).map_err(domain_error)?;
         let [nut, screw] = cotangents.map(|c| FRAC_PI_2 - c.atan());
         if ![nut, screw].iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
-            return Err(NoAnswer::not_converged(Reason::BallLeavesFlank { nut, screw }));
+            return Err(SolveFailure::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
         let [elastic, permanent] = closure.approaches(loads);
         Ok(PermanentSet { loads, angles: [nut, screw], elastic, permanent })

@@ -23,7 +23,8 @@ pub(crate) use self::statics::STATIC;
 use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
     BallLoads, Control, ControllingRaceway, ElasticContacts, ElasticPoint, LoadedContact, Model,
-    NoAnswer, SkidNumbers, Solution, SolveInfo, SteadyState, Transmission, Workspace, domain_error,
+    SkidNumbers, Solution, SolveFailure, SolveInfo, SteadyState, Transmission, Workspace,
+    domain_error,
 };
 
 /// Inputs of the raceway-control model.
@@ -93,12 +94,12 @@ impl RollingBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if there is no root on the flanks.
+    /// Returns [`SolveFailure`] if there is no root on the flanks.
     pub(crate) fn of(
         contacts: &ElasticContacts,
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
-    ) -> Result<Self, NoAnswer> {
+    ) -> Result<Self, SolveFailure> {
         // First, Newton's method is started from equal contact angles.
         let direct = RollingRoot::direct(&contacts.into(), control, true);
         if direct.found {
@@ -122,7 +123,7 @@ impl RollingBall {
     fn selected(
         contacts: &ElasticContacts,
         newton: &mut Workspace<STATIC>,
-    ) -> Result<Self, NoAnswer> {
+    ) -> Result<Self, SolveFailure> {
         let nut = Self::controlled(contacts, Control::Nut, newton);
         if let Ok(nut) = &nut
             && nut.is_consistent(contacts)
@@ -133,7 +134,7 @@ impl RollingBall {
         match (nut, screw) {
             (Ok(nut), Ok(screw)) => Ok(Self { steps: nut.steps + screw.steps, ..screw }),
             (Err(_), Ok(screw)) if screw.is_consistent(contacts) => Ok(screw),
-            (Ok(_), Err(none)) | (Err(none), _) => Err(none),
+            (Ok(_), Err(failure)) | (Err(failure), _) => Err(failure),
         }
     }
 
@@ -142,7 +143,7 @@ impl RollingBall {
         contacts: &ElasticContacts,
         control: Control,
         newton: &mut Workspace<STATIC>,
-    ) -> Result<Self, NoAnswer> {
+    ) -> Result<Self, SolveFailure> {
         let balance = Balance::new(contacts, control);
         Ok(Self::at(&balance, balance.first_root(newton)?))
     }
@@ -211,8 +212,8 @@ impl RollingBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if a contact is lost.
-    pub(crate) fn guess(contacts: &ElasticContacts) -> Result<Self, NoAnswer> {
+    /// Returns [`SolveFailure`] if a contact is lost.
+    pub(crate) fn guess(contacts: &ElasticContacts) -> Result<Self, SolveFailure> {
         let balance = Balance::new(contacts, Control::Nut);
         let angle = contacts.contact_angle.sin_cos();
         let (p, _) = rolling(true, contacts.scaled.lead, contacts.scaled.arc, [angle; 2]);
@@ -292,7 +293,7 @@ impl RacewayWorkspace {
         &mut self,
         contacts: &ElasticContacts,
         control: Option<Control>,
-    ) -> Result<RollingBall, NoAnswer> {
+    ) -> Result<RollingBall, SolveFailure> {
         RollingBall::of(contacts, control, &mut self.newton)
     }
 
@@ -306,7 +307,7 @@ impl RacewayWorkspace {
         screw: &ElasticPoint,
         contacts: &ElasticContacts,
         rolling_ball: &RollingBall,
-    ) -> Result<SteadyState, NoAnswer> {
+    ) -> Result<SteadyState, SolveFailure> {
         let (loaded, nodes) = (&rolling_ball.loaded, [Placement::from(&self.quadrature); 2]);
         let [at_nut, at_screw] =
             contacts.friction_powers(loaded, &rolling_ball.to_nut, RacewayControl::CREEP, nodes);
@@ -382,7 +383,7 @@ mod tests {
     }
 
     fn solved(case: &RacewayControl) -> SteadyState {
-        case.solve(&mut RacewayWorkspace::default()).answer.expect("a solution")
+        case.solve(&mut RacewayWorkspace::default()).result.expect("a solution")
     }
 
     fn slip(contact: ContactState) -> Slip {
@@ -581,15 +582,15 @@ mod tests {
 
     #[test]
     fn invalid_inputs_are_reported_with_their_reason() {
-        let why = |case: &RacewayControl| {
-            let none =
-                case.solve(&mut RacewayWorkspace::default()).answer.expect_err("no solution");
-            (none.status(), none.reason().clone())
+        let failure_of = |case: &RacewayControl| {
+            let failure =
+                case.solve(&mut RacewayWorkspace::default()).result.expect_err("no solution");
+            (failure.status(), failure.reason().clone())
         };
         let still = lin_screw(100.0, 0.0);
-        assert_eq!(why(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
+        assert_eq!(failure_of(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
         let screw = ElasticPoint { conformity: (5.0, 0.53), ..lin_screw(100.0, 100.0).at };
-        let (status, reason) = why(&RacewayControl { at: screw, control: None });
+        let (status, reason) = failure_of(&RacewayControl { at: screw, control: None });
         assert_eq!(status, Status::InvalidInput);
         assert!(matches!(reason, Reason::CurvaturesNotHertzian { .. }), "{reason:?}");
     }

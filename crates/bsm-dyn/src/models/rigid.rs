@@ -24,8 +24,8 @@ pub use self::root::RigidWorkspace;
 pub use self::sweeps::Sweeps;
 use crate::contact::Angles;
 use crate::models::ball::{
-    AnswerUnits, BALL, BallState, BallUnits, ContactState, Model, NoAnswer, OperatingPoint, ROWS,
-    Slip, Solution, SolveInfo, SteadyState, equations, friction_angle,
+    BALL, BallState, ContactState, Model, OperatingPoint, ROWS, ResultUnits, ScaledPoint, Slip,
+    Solution, SolveFailure, SolveInfo, SteadyState, equations, friction_angle,
 };
 
 /// Inputs of the rigid model. All three contacts have the contact angle of the operating point.
@@ -105,9 +105,9 @@ impl<D: Scalar> Rigid<D> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the model does not accept the inputs.
-    fn ball(&self) -> Result<RigidBall<D>, NoAnswer> {
-        let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
+    /// Returns [`SolveFailure`] if the model does not accept the inputs.
+    fn ball(&self) -> Result<RigidBall<D>, SolveFailure> {
+        let ScaledPoint { helix, mass, nut_speed, direction } = self.point.scaled()?;
         self.point.require_friction()?;
         let angles = Angles { lead: helix.lead_angle, contact: self.point.contact_angle };
         let signed = self.point.friction.0 * direction.sign();
@@ -135,8 +135,8 @@ impl Rigid {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] with status and reason if there is no root.
-    pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, NoAnswer> {
+    /// Returns [`SolveFailure`] with status and reason if there is no root.
+    pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, SolveFailure> {
         let BallRoot { motion, steps, residual, .. } = root::find(&self.ball()?, work)?;
         let ([nut_load, unloaded_flank_load, screw_load], [u, _, tau]) =
             (motion.loads, motion.omega);
@@ -156,18 +156,18 @@ impl Rigid {
     ///
     /// # Errors
     ///
-    /// Returns the [`NoAnswer`] of [`solve`](Self::solve), or [`NoAnswer::LOST`] if the branch
-    /// cannot be followed to its end.
-    pub fn branch(&self, work: &mut RigidWorkspace) -> Result<Vec<SteadyState>, NoAnswer> {
+    /// Returns the [`SolveFailure`] of [`solve`](Self::solve), or [`SolveFailure::SEARCH_FAILED`]
+    /// if the branch cannot be followed to its end.
+    pub fn branch(&self, work: &mut RigidWorkspace) -> Result<Vec<SteadyState>, SolveFailure> {
         let ball = self.ball()?;
         let root = root::find_all(&ball, work)?;
-        let others = root.alternatives.as_ref().ok_or(NoAnswer::LOST)?;
+        let others = root.alternatives.as_ref().ok_or(SolveFailure::SEARCH_FAILED)?;
         let others = others.iter().filter_map(|other| self.balanced(&ball, other).ok());
         Ok(std::iter::once(self.balanced(&ball, &root)?).chain(others).collect())
     }
 
     /// Converts a root and its alternatives into a steady state in SI units.
-    fn solved(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, NoAnswer> {
+    fn solved(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, SolveFailure> {
         let solved = self.balanced(ball, root)?;
         let Some(alternatives) = &root.alternatives else { return Ok(solved) };
         let alternatives = alternatives.iter().filter_map(|other| self.balanced(ball, other).ok());
@@ -175,7 +175,7 @@ impl Rigid {
     }
 
     /// Converts a root into a steady state after checking its power balance.
-    fn balanced(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, NoAnswer> {
+    fn balanced(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, SolveFailure> {
         let solved = ball.solved(&root.motion, &self.point.units(), self.point.contact_angle, true);
         solved.transmission.balanced()?;
         let info = SolveInfo { steps: root.steps, residual: root.residual };
@@ -193,7 +193,7 @@ impl<F: Real> RigidBall<F> {
     pub fn solved(
         &self,
         motion: &RigidMotion<F>,
-        units: &AnswerUnits<F>,
+        units: &ResultUnits<F>,
         contact_angle: F,
         directions: bool,
     ) -> SteadyState<F> {

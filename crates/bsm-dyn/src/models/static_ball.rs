@@ -176,7 +176,7 @@ mod tests {
             let screw = screw(axial, 1e-4);
             let solved = RacewayControl { at: screw, control: None }
                 .solve(&mut RacewayWorkspace::default())
-                .answer
+                .result
                 .expect("a slow ball");
             let ball = screw.pressed_ball().unwrap();
             let lead = screw.point.helix.lead_angle;

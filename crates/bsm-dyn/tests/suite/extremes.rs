@@ -68,7 +68,7 @@ fn raceway_control(screw: ElasticPoint, control: Option<Control>) -> Problem {
 /// Checks that a converged solution is consistent. Returns true if the point has a solution or if
 /// there is evidence that no solution exists.
 fn is_consistent(screw: &ElasticPoint, solution: &Solution) -> bool {
-    let o = match &solution.answer {
+    let o = match &solution.result {
         Ok(solved) => solved,
         Err(none) => return none.evidence().is_some(),
     };
@@ -282,7 +282,7 @@ fn results_with_saturated_friction_and_without_inertia_equal_the_closed_form() {
         for (i, case) in
             [rigid(&screw), Problem::Elastic(Elastic { at: screw })].into_iter().enumerate()
         {
-            let Ok(o) = case.solve(&mut work).answer else { continue };
+            let Ok(o) = case.solve(&mut work).result else { continue };
             let eta = o.transmission.efficiency;
             let contact = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
             let angles = Angles { lead: screw.point.helix.lead_angle, contact };

@@ -20,13 +20,13 @@ fn lin() -> OperatingPoint {
 
 fn expect_solution(case: &OperatingPoint) -> SteadyState {
     let solution = Rigid { point: *case }.solve(&mut RigidWorkspace::default());
-    solution.answer.unwrap_or_else(|none| panic!("{case:?} {none:?}"))
+    solution.result.unwrap_or_else(|failure| panic!("{case:?} {failure:?}"))
 }
 
 fn status_and_reason(case: &OperatingPoint) -> (Status, Reason) {
     let none = Rigid { point: *case }
         .solve(&mut RigidWorkspace::default())
-        .answer
+        .result
         .expect_err("no solution");
     (none.status(), none.reason().clone())
 }
@@ -187,13 +187,13 @@ fn first_order_solution_does_not_exclude_roots_at_large_inertia() {
     // root is not on the branch that begins at small inertia.
     let none = Rigid { point: locking }
         .solve(&mut RigidWorkspace::default())
-        .answer
+        .result
         .expect_err("an isolated root");
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
     // This operating point has no root either, but the first-order solution alone does not exclude
     // a root.
     let none =
-        Rigid { point: pulling }.solve(&mut RigidWorkspace::default()).answer.expect_err("no root");
+        Rigid { point: pulling }.solve(&mut RigidWorkspace::default()).result.expect_err("no root");
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
 }
 

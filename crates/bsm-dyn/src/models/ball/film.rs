@@ -15,7 +15,7 @@ use crate::contact::{
     Roughness, Wrench, contact_modulus,
 };
 use crate::ellipse::{Integrate, Placement, Quadrature, Rules, lubricated_friction};
-use crate::outcome::NoAnswer;
+use crate::outcome::SolveFailure;
 
 /// Magnitude of the load exponent in the film thickness formula (Y7) (dimensionless).
 pub(crate) const FILM_LOAD_EXPONENT: f64 = 0.067;
@@ -339,13 +339,13 @@ impl<P: Scalar> EhlPoint<P> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the inputs are invalid.
+    /// Returns [`SolveFailure`] if the inputs are invalid.
     pub(crate) fn new(
         screw: &ElasticPoint<P>,
         lubricant: &Lubricant<P>,
         temperature: P,
-    ) -> Result<Self, NoAnswer> {
-        let hertz = screw.hertz().map_err(NoAnswer::invalid)?;
+    ) -> Result<Self, SolveFailure> {
+        let hertz = screw.hertz().map_err(SolveFailure::invalid)?;
         let relative = screw.point.drive.relative_speed();
         let length = screw.point.ball.radius;
         let units = EhlUnits {

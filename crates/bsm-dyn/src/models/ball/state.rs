@@ -7,7 +7,7 @@
 use bsm_kin::{Motion, Real, Site};
 
 use crate::contact::{FilmState, POWER_BALANCE_TOL, Power, efficiency};
-use crate::outcome::{Control, Direction, NoAnswer, Reason, named};
+use crate::outcome::{Control, Direction, Reason, SolveFailure, named};
 
 /// State of the ball in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -394,12 +394,12 @@ impl Transmission {
     ///
     /// Returns [`Reason::PowerDoesNotBalance`] if the error of the power balance exceeds the
     /// tolerance.
-    pub(crate) fn balanced(self) -> Result<Self, NoAnswer> {
+    pub(crate) fn balanced(self) -> Result<Self, SolveFailure> {
         if self.is_balanced() {
             return Ok(self);
         }
         let imbalance = self.power_balance.unwrap_or(f64::NAN);
-        Err(NoAnswer::not_converged(Reason::PowerDoesNotBalance { imbalance }))
+        Err(SolveFailure::not_converged(Reason::PowerDoesNotBalance { imbalance }))
     }
 }
 

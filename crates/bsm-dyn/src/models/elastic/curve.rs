@@ -12,7 +12,7 @@ use super::forces::CURVE;
 use super::states::{SlidingBall, SlidingPoint};
 use super::steady::{CurveState, LOG_NO_INERTIA, STRAIGHTNESS_TOL};
 use crate::cost::{count_of, searched};
-use crate::models::ball::{BALL, ElasticContacts, Evidence, NoAnswer, Reason};
+use crate::models::ball::{BALL, ElasticContacts, Evidence, Reason, SolveFailure};
 
 /// Step control along the equilibrium curve. Step lengths are in units of the scales of the
 /// unknowns. Following a curve usually takes about thirty steps. Roots are refined afterwards by
@@ -47,11 +47,11 @@ type CurveRoot = (SlidingPoint<f64>, f64);
 ///
 /// # Errors
 ///
-/// Returns [`NoAnswer`] if no root exists or if the search fails.
+/// Returns [`SolveFailure`] if no root exists or if the search fails.
 pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
-) -> Result<([f64; BALL], usize), NoAnswer> {
+) -> Result<([f64; BALL], usize), SolveFailure> {
     // First, Newton's method is started from the beginning of the equilibrium curve.
     let ball = SlidingBall::from(contacts);
     let direct = ball.direct_root(contacts.contact_angle.tan().recip(), true, any);
@@ -79,12 +79,12 @@ impl<'a> SlidingCurve<'a> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root exists or if the search fails.
-    fn root(&mut self) -> Result<CurveRoot, NoAnswer> {
+    /// Returns [`SolveFailure`] if no root exists or if the search fails.
+    fn root(&mut self) -> Result<CurveRoot, SolveFailure> {
         // Newton's method refines the roots that a coarse continuation finds. If the refinement
         // converges to a different root, the continuation is repeated with accurate step control.
         let found = self.trace(&STEP_CONTROL).or_else(|| self.trace(&EXACT_STEP_CONTROL));
-        found.unwrap_or(Err(NoAnswer::LOST))
+        found.unwrap_or(Err(SolveFailure::SEARCH_FAILED))
     }
 
     /// Returns the state of the ball (forces and motion) at a point of the equilibrium curve.
@@ -102,25 +102,26 @@ impl<'a> SlidingCurve<'a> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the screw is self-locking, if the inertia is out of range, or if the
-    /// beginning of the curve is not found.
-    fn of(contacts: &ElasticContacts, steps: &'a mut usize) -> Result<Self, NoAnswer> {
+    /// Returns [`SolveFailure`] if the screw is self-locking, if the inertia is out of range, or if
+    /// the beginning of the curve is not found.
+    fn of(contacts: &ElasticContacts, steps: &'a mut usize) -> Result<Self, SolveFailure> {
         let ball = SlidingBall::from(contacts);
         let friction_term = ball.friction / ball.cot;
         if !ball.carries() {
             let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
-            return Err(NoAnswer::none(Evidence::Proof, locks));
+            return Err(SolveFailure::no_solution(Evidence::Proof, locks));
         }
-        let beginning = ball.beginning(contacts.contact_angle, steps).ok_or(NoAnswer::LOST)?;
+        let beginning =
+            ball.beginning(contacts.contact_angle, steps).ok_or(SolveFailure::SEARCH_FAILED)?;
         let start = ball.state_without_inertia(beginning, true);
         let mut curve = Self { ball, start, steps };
         curve.count(start.steps);
         if !start.found {
-            return Err(NoAnswer::LOST);
+            return Err(SolveFailure::SEARCH_FAILED);
         }
         if curve.rise() < 0.0 {
             let reason = Reason::InertiaOutOfRange { inertia_ratio: ball.inertia_ratio };
-            return Err(NoAnswer::invalid(reason));
+            return Err(SolveFailure::invalid(reason));
         }
         Ok(curve)
     }
@@ -133,7 +134,7 @@ impl<'a> SlidingCurve<'a> {
 
     /// Follows the whole equilibrium curve and returns the first root, or the reason why there is
     /// no root. Returns `None` if a root cannot be refined.
-    fn trace(&mut self, control: &StepControl) -> Option<Result<CurveRoot, NoAnswer>> {
+    fn trace(&mut self, control: &StepControl) -> Option<Result<CurveRoot, SolveFailure>> {
         searched();
         let inertia = self.ball.inertia_ratio;
         let start = self.start;
@@ -190,14 +191,14 @@ impl<'a> SlidingCurve<'a> {
             return Some(Ok(root));
         }
         if end != PathEnd::Ended && (end != PathEnd::Lost || admissible) {
-            return Some(Err(NoAnswer::LOST));
+            return Some(Err(SolveFailure::SEARCH_FAILED));
         }
         let reason = match seen {
             Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
             None => Reason::SlipAlongFriction { slip: start.at.motion.slip[0] },
         };
         let evidence = Evidence::Traced { resolution: STEP_CONTROL.pair_resolution };
-        Some(Err(NoAnswer::none(evidence, reason)))
+        Some(Err(SolveFailure::no_solution(evidence, reason)))
     }
 
     /// Returns the residuals of (S26) for `$P/W > 0$` and for `$P/W < 0$`, each with its derivative
@@ -318,7 +319,8 @@ mod tests {
             let begun = *curve.steps;
             let coarse = curve.root();
             let in_all = *curve.steps - begun;
-            let exact = curve.trace(&EXACT_STEP_CONTROL).unwrap_or(Err(NoAnswer::LOST));
+            let exact =
+                curve.trace(&EXACT_STEP_CONTROL).unwrap_or(Err(SolveFailure::SEARCH_FAILED));
             fewer += usize::from(in_all < *curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {

@@ -5,14 +5,14 @@
 use bsm_kin::Jet;
 
 use super::{Elastic, ElasticWorkspace, GrossSlipEquations, find, inertia_factor, weights};
-use crate::models::ball::{NoAnswer, Performance, domain_error, inertia_limit, moving_root};
+use crate::models::ball::{Performance, SolveFailure, domain_error, inertia_limit, moving_root};
 
 impl<const M: usize> Elastic<Jet<M>> {
     /// Returns the efficiency and the torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         ElasticWorkspace(newton): &mut ElasticWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
         self.at.point.require_friction()?;
         let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
         let (root, ..) = find(&point, newton)?;

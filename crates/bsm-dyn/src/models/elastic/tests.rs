@@ -106,10 +106,12 @@ fn compare_with_random_searches(seed: u64, points: usize, starts: usize) -> Tall
             continue;
         }
         match find(&contacts, &mut newton) {
-            Err(none) if none.status() == Status::NoSolution && tally.no_solution < points => {
+            Err(failure)
+                if failure.status() == Status::NoSolution && tally.no_solution < points =>
+            {
                 tally.no_solution += 1;
                 if let Some(y) = root_from_random_starts(&contacts, starts, &mut rng, &mut newton) {
-                    tally.refuted.push((screw, none.reason().clone(), y));
+                    tally.refuted.push((screw, failure.reason().clone(), y));
                 }
             }
             Ok((y, ..)) if tally.found < points => {

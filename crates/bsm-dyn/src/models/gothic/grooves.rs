@@ -8,7 +8,7 @@ use bsm_newton::{Convergence, EvalError, Options, Scales, Workspace, solve};
 
 use crate::contact::Hertz;
 use crate::models::ball::{
-    ElasticPoint, NoAnswer, Reason, domain_error, equations, far_flank_play,
+    ElasticPoint, Reason, SolveFailure, domain_error, equations, far_flank_play,
 };
 
 /// Number of contacts of a ball in two gothic arches. The order of the contacts is nut +, nut −,
@@ -142,12 +142,12 @@ impl<P: Scalar> Grooves<P> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the play is negative, or if the ball cannot touch the grooves at
+    /// Returns [`SolveFailure`] if the play is negative, or if the ball cannot touch the grooves at
     /// contact angles between 0 and 90 degrees.
-    pub(super) fn of(at: &ElasticPoint<P>, fit: &ArchFit<P>) -> Result<Self, NoAnswer> {
+    pub(super) fn of(at: &ElasticPoint<P>, fit: &ArchFit<P>) -> Result<Self, SolveFailure> {
         let ArchFit { axial_play, radial_gap, oversize } = *fit;
         // The curvatures are calculated for a ball of nominal diameter at first contact.
-        let hertz = at.fitted(radial_gap, P::from(0.0)).hertz().map_err(NoAnswer::invalid)?;
+        let hertz = at.fitted(radial_gap, P::from(0.0)).hertz().map_err(SolveFailure::invalid)?;
         let nominal = Self::with_hertz(at, hertz);
         let [nut, screw] = nominal.across;
         let widest = if nut.re() < screw.re() { nut } else { screw } * MAX_SHIFT_RATIO;
@@ -325,7 +325,7 @@ impl Grooves {
         &self,
         condition: AxialCondition,
         newton: &mut Workspace<PLACE>,
-    ) -> Result<[f64; PLACE], NoAnswer> {
+    ) -> Result<[f64; PLACE], SolveFailure> {
         let stiffness = (self.hertz[0].compliance + self.hertz[1].compliance).powf(-1.5);
         let touch = self.first_touch();
         let (w, axial) = match condition {
@@ -372,7 +372,7 @@ impl Grooves {
         forces: &FixedForces,
         (near, (force, length)): (&[f64; PLACE], (f64, f64)),
         newton: &mut Workspace<PLACE>,
-    ) -> Result<[f64; PLACE], NoAnswer> {
+    ) -> Result<[f64; PLACE], SolveFailure> {
         let rest = Rest { grooves: self, condition, forces, force, length };
         let mut y = near.map(|y| y / length);
         let scales = Scales { x: &[1.0; PLACE], f: &[1.0; PLACE] };
@@ -381,17 +381,17 @@ impl Grooves {
         let options = Options { convergence, ..Options::default() };
         let report = solve(&rest, &mut y, &scales, &options, newton).report;
         if !report.converged() {
-            return Err(NoAnswer::not_converged(Reason::from(report)));
+            return Err(SolveFailure::not_converged(Reason::from(report)));
         }
         Ok(y.map(|y| y * length))
     }
 }
 
-fn refused(quantity: &'static str, value: f64, requirement: &'static str) -> NoAnswer {
-    NoAnswer::invalid(Reason::Refused { error: EvalError { quantity, value, requirement } })
+fn refused(quantity: &'static str, value: f64, requirement: &'static str) -> SolveFailure {
+    SolveFailure::invalid(Reason::Refused { error: EvalError { quantity, value, requirement } })
 }
 
-fn loose(quantity: &'static str, value: f64) -> NoAnswer {
+fn loose(quantity: &'static str, value: f64) -> SolveFailure {
     domain_error(EvalError {
         quantity,
         value,

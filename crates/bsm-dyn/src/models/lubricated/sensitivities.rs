@@ -6,7 +6,7 @@ use bsm_kin::Jet;
 
 use super::solve::{LubricatedBall, LubricatedModel, lost};
 use crate::contact::{Temperature, efficiency};
-use crate::models::ball::{EhlPoint, LubricatedState, NoAnswer, Performance};
+use crate::models::ball::{EhlPoint, LubricatedState, Performance, SolveFailure};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
@@ -19,12 +19,12 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let (heat_transfer, ambient) = match self.lubricant.temperature {
             Temperature::Known(kelvin) => return Ok(self.slopes(kelvin, work)?.0),
             Temperature::Balance { heat_transfer, ambient } => (heat_transfer, ambient),
         };
-        let solved = self.values().solve(work).answer?;
+        let solved = self.values().solve(work).result?;
         let temperature = solved.film.map_or(f64::NAN, |film| film.temperature);
         let mut surplus_cooling = |kelvin: f64| {
             let (_, heat) = self.slopes(Jet::from(kelvin), work)?;
@@ -56,7 +56,7 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
         &self,
         kelvin: Jet<M>,
         work: &mut ModelWorkspace,
-    ) -> Result<(Performance<Jet<M>>, Jet<M>), NoAnswer> {
+    ) -> Result<(Performance<Jet<M>>, Jet<M>), SolveFailure> {
         let screw = self.screw();
         let ehl = EhlPoint::new(screw, &self.lubricant, kelvin)?;
         let (contacts, steady) = match &self.model {

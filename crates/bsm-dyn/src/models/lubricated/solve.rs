@@ -11,8 +11,8 @@ use bsm_newton::Bracket;
 use crate::contact::{BallOrbit, Lubricant, OutsidePower, Temperature, ZERO_CELSIUS, magnitude};
 use crate::ellipse::{Integrate, Placement, Quadrature};
 use crate::models::ball::{
-    AnswerUnits, BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint,
-    ErrorBound, Evidence, FilmLoss, LubricatedState, Model, NoAnswer, Reason, Solution, SteadyRoot,
+    BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound, Evidence,
+    FilmLoss, LubricatedState, Model, Reason, ResultUnits, Solution, SolveFailure, SteadyRoot,
     SteadyState, Transmission, to_both,
 };
 use crate::models::raceway_control::RacewayControl;
@@ -182,7 +182,7 @@ impl LubricatedBall {
         heat_transfer: f64,
         ambient: f64,
         work: &mut ModelWorkspace,
-    ) -> Result<SteadyState, NoAnswer> {
+    ) -> Result<SteadyState, SolveFailure> {
         let mut surplus_cooling = |kelvin: f64| {
             let solved = self.at(kelvin, work)?;
             let seal = solved.film.map_or(f64::NAN, |film| film.outside.seal);
@@ -198,32 +198,32 @@ impl LubricatedBall {
         let Some(bracket) = change else {
             let evidence = Evidence::Traced { resolution: TEMPERATURE_STEP };
             let reason = Reason::LubricantRunsAway { hottest: MAX_TEMPERATURE };
-            return Err(NoAnswer::none(evidence, reason));
+            return Err(SolveFailure::no_solution(evidence, reason));
         };
-        let mut answer = Err(NoAnswer::LOST);
+        let mut result = Err(SolveFailure::SEARCH_FAILED);
         let ends = bracket.ends;
         let found = Bracket { x_tol: TEMPERATURE_TOLERANCE / ends[1], ..bracket }.root(|kelvin| {
             match surplus_cooling(kelvin) {
                 Ok((value, solved)) => {
-                    answer = Ok(solved);
+                    result = Ok(solved);
                     value
                 }
-                Err(why) => {
-                    answer = Err(why);
+                Err(error) => {
+                    result = Err(error);
                     f64::NAN
                 }
             }
         });
-        // If the root is an end of the bracket, `answer` may have been calculated at a different
+        // If the root is an end of the bracket, `result` may have been calculated at a different
         // temperature.
         match found.root() {
             Some(root) if ends.contains(&root.x) => Ok(surplus_cooling(root.x)?.1),
-            _ => answer,
+            _ => result,
         }
     }
 
     /// Returns the steady state at a lubricant temperature \[K\].
-    fn at(&self, kelvin: f64, work: &mut ModelWorkspace) -> Result<SteadyState, NoAnswer> {
+    fn at(&self, kelvin: f64, work: &mut ModelWorkspace) -> Result<SteadyState, SolveFailure> {
         let screw = self.screw();
         let ehl = EhlPoint::new(screw, &self.lubricant, kelvin)?;
         let found = match &self.model {
@@ -258,10 +258,10 @@ impl LubricatedBall {
     }
 
     /// Converts a root of the model equations into a steady state in SI units.
-    fn results(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<SteadyState, NoAnswer> {
+    fn results(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<SteadyState, SolveFailure> {
         let (screw, SteadyRoot { contacts, steady, .. }) = (self.screw(), found);
         let LubricatedState { loaded, to_nut, losses, torque } = steady;
-        let AnswerUnits { torque: unit, speed, .. } = screw.point.units();
+        let ResultUnits { torque: unit, speed, .. } = screw.point.units();
         let outside = self.outside(contacts, steady);
         let in_balance = matches!(self.model, LubricatedModel::Traction(_));
         let ball = screw.ball_state(contacts, loaded, to_nut, in_balance)?;

@@ -16,7 +16,7 @@ use super::statics::{Rates, STATIC, StaticBalance};
 use crate::contact::binormal_displacement;
 use crate::cost::{count_of, searched};
 use crate::models::ball::{
-    BallLoads, Control, ElasticContacts, Evidence, NoAnswer, Reason, Workspace, equations,
+    BallLoads, Control, ElasticContacts, Evidence, Reason, SolveFailure, Workspace, equations,
 };
 
 /// Maximum number of Newton steps that refine a bracketed root.
@@ -135,7 +135,7 @@ impl Balance<'_> {
     pub(super) fn first_root(
         &self,
         newton: &mut Workspace<STATIC>,
-    ) -> Result<StaticRoot, NoAnswer> {
+    ) -> Result<StaticRoot, SolveFailure> {
         // First, Newton's method is started from equal contact angles.
         let direct = RollingRoot::direct(&self.contacts.into(), Some(self.control), true);
         if direct.found {
@@ -197,7 +197,7 @@ impl Balance<'_> {
         &self,
         bracketed: [f64; STATIC],
         newton: &mut Workspace<STATIC>,
-    ) -> Result<StaticRoot, NoAnswer> {
+    ) -> Result<StaticRoot, SolveFailure> {
         let mut x = bracketed;
         let report = self.run(&mut x, newton);
         // If two roots are close together, Newton's method may converge to the wrong root.
@@ -206,7 +206,7 @@ impl Balance<'_> {
             let (steps, residual) = (report.steps.len(), report.residual);
             return Ok(StaticRoot { unknowns: x, steps, residual });
         }
-        Err(NoAnswer::not_converged(Reason::from(report)))
+        Err(SolveFailure::not_converged(Reason::from(report)))
     }
 
     /// Returns the centrifugal term `$\mu\cos\alpha\,(P/W)^2$` of (W12).
@@ -257,22 +257,22 @@ impl Balance<'_> {
     /// # Errors
     ///
     /// Returns [`Reason::FlanksCannotHold`] if there is provably no root.
-    fn bracketed(&self) -> Result<[f64; STATIC], NoAnswer> {
+    fn bracketed(&self) -> Result<[f64; STATIC], SolveFailure> {
         let farthest = self.farthest();
         let outwards = match self.control {
             Control::Nut => 1.0,
             Control::Screw => -1.0,
         };
-        let none = || {
+        let failure = || {
             let rate = self.statics.rate_at(farthest);
             let (held, centrifugal) =
                 (farthest * self.statics.axial, self.centrifugal(rate) * self.statics.axial);
             let reason = Reason::FlanksCannotHold { control: self.control, held, centrifugal };
-            NoAnswer::none(Evidence::Proof, reason)
+            SolveFailure::no_solution(Evidence::Proof, reason)
         };
         let at_rest = self.statics.rate_at(0.0);
         let c = if outwards * at_rest >= 0.0 {
-            self.rising(farthest).ok_or_else(none)?
+            self.rising(farthest).ok_or_else(failure)?
         } else {
             // There is no root beyond the sign change of the precession rate, so the function
             // returns a positive value there.
@@ -281,7 +281,7 @@ impl Balance<'_> {
                 if outwards * rate >= 0.0 { c } else { c - self.centrifugal(rate) }
             };
             if above(farthest) < 0.0 {
-                return Err(none());
+                return Err(failure());
             }
             let ends = [0.0, self.centrifugal(at_rest).min(farthest)];
             let found = Bracket::new(ends, ends.map(above)).root(above);

@@ -8,7 +8,7 @@ use super::{Balance, RacewayControl, RacewayWorkspace, RollingBall, STATIC};
 use crate::contact::efficiency;
 use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
-    BallLoads, ElasticContacts, NoAnswer, Performance, Workspace, moving_root,
+    BallLoads, ElasticContacts, Performance, SolveFailure, Workspace, moving_root,
 };
 
 /// An operating point with the loads and the motion of the ball.
@@ -20,7 +20,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         RacewayWorkspace { newton, quadrature, sensitivity_quadrature }: &mut RacewayWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let (inputs, loaded, to_nut) = self.moving(newton)?;
         let transmitted = |rule: &Quadrature| {
             let nodes = [Placement::from(rule); 2];
@@ -38,7 +38,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     }
 
     /// Returns the operating point with the loads and the motion of the ball, all with derivatives.
-    fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<BallInMotion<Jet<M>>, NoAnswer> {
+    fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<BallInMotion<Jet<M>>, SolveFailure> {
         let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
         let RollingBall { control, unknowns, .. } = RollingBall::of(&point, self.control, newton)?;
         let system = Balance::new(&point, control);
@@ -55,7 +55,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     pub(crate) fn rolling_ball(
         &self,
         work: &mut RacewayWorkspace,
-    ) -> Result<BallInMotion<Jet<M>>, NoAnswer> {
+    ) -> Result<BallInMotion<Jet<M>>, SolveFailure> {
         self.moving(&mut work.newton)
     }
 }

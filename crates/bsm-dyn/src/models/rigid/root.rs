@@ -14,7 +14,7 @@ use super::equations::RigidEquations;
 use super::first_order::FirstOrder;
 use super::sweeps::Sweeps;
 use crate::cost::count_of;
-use crate::models::ball::{BALL, Evidence, NoAnswer, Reason, Workspace};
+use crate::models::ball::{BALL, Evidence, Reason, SolveFailure, Workspace};
 
 /// Maximum ratio of inertia force to friction force (dimensionless) at which the first-order
 /// solution may exclude a root.
@@ -59,12 +59,15 @@ pub struct RigidWorkspace(pub(super) Workspace);
 ///
 /// # Errors
 ///
-/// Returns [`NoAnswer`] with the reason why the branch has no root at the actual inertia, or why
-/// the search failed.
-pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<BallRoot, NoAnswer> {
+/// Returns [`SolveFailure`] with the reason why the branch has no root at the actual inertia, or
+/// why the search failed.
+pub(crate) fn find(
+    ball: &RigidBall<f64>,
+    work: &mut RigidWorkspace,
+) -> Result<BallRoot, SolveFailure> {
     let first = ball.first_order();
-    if let Some(none) = excluded_by_first_order(ball, &first) {
-        return Err(none);
+    if let Some(failure) = excluded_by_first_order(ball, &first) {
+        return Err(failure);
     }
 
     // The first attempt uses sweeps from the first-order solution. If the sweeps converge, they
@@ -80,7 +83,11 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
     // sweeps leave unchanged.
     if swept.converged || (swept.stationary && first.is_unique) {
         let reason = inadmissible(&swept);
-        return Err(unless_it_exists(ball, &first, NoAnswer::none(Evidence::Bound, reason)));
+        return Err(unless_it_exists(
+            ball,
+            &first,
+            SolveFailure::no_solution(Evidence::Bound, reason),
+        ));
     }
 
     // The second attempt follows the branch from the first-order solution to the actual inertia.
@@ -91,11 +98,11 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
 
     // If the branch was followed completely, there is no root. Otherwise, the continuation failed.
     if !branch.is_complete {
-        return Err(NoAnswer::LOST);
+        return Err(SolveFailure::SEARCH_FAILED);
     }
     let evidence = Evidence::Traced { resolution: MAX_BRANCH_STEP };
     let reason = why_none(ball, &first, branch.nearest_inertia);
-    Err(unless_it_exists(ball, &first, NoAnswer::none(evidence, reason)))
+    Err(unless_it_exists(ball, &first, SolveFailure::no_solution(evidence, reason)))
 }
 
 /// Finds all roots on the branch at the actual inertia and returns the first root with the other
@@ -107,7 +114,7 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
 pub(super) fn find_all(
     ball: &RigidBall<f64>,
     work: &mut RigidWorkspace,
-) -> Result<BallRoot, NoAnswer> {
+) -> Result<BallRoot, SolveFailure> {
     let root = find(ball, work)?;
     if root.alternatives.is_some() {
         return Ok(root);
@@ -126,14 +133,14 @@ fn first_on(
     ball: &RigidBall<f64>,
     branch: &BranchRoots,
     work: &mut RigidWorkspace,
-) -> Option<Result<BallRoot, NoAnswer>> {
+) -> Option<Result<BallRoot, SolveFailure>> {
     let (first, others) = branch.motions.split_first()?;
     let first = match refined(ball, first, work) {
         Ok(first) if first.motion.is_admissible() => first,
         // If the refined motion is not admissible, Newton's method has converged to a different
         // root.
-        Ok(_) => return Some(Err(NoAnswer::LOST)),
-        Err(none) => return Some(Err(none)),
+        Ok(_) => return Some(Err(SolveFailure::SEARCH_FAILED)),
+        Err(failure) => return Some(Err(failure)),
     };
     let mut alternatives = Vec::<BallRoot>::new();
     for other in others {
@@ -156,7 +163,7 @@ fn first_on(
 /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia force to friction force. The
 /// constant was determined by random tests: `tests/suite/rigid_campaign.rs` checks that roots
 /// differ from the first-order solution by at most 0.077 times this ratio.
-fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<NoAnswer> {
+fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<SolveFailure> {
     let inertia = first.inertia_scale / ball.friction();
     if inertia >= SMALL_INERTIA {
         return None;
@@ -183,20 +190,24 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     } else {
         return None;
     };
-    Some(NoAnswer::none(Evidence::Bound, reason))
+    Some(SolveFailure::no_solution(Evidence::Bound, reason))
 }
 
 /// Returns the given verdict that no root exists, unless the first-order solution indicates a root
 /// by a margin larger than its error. In that case, the function reports a failed search, because
 /// rounding errors of large loads near self-locking can affect the sweeps and the continuation.
-fn unless_it_exists(ball: &RigidBall<f64>, first: &FirstOrder, verdict: NoAnswer) -> NoAnswer {
+fn unless_it_exists(
+    ball: &RigidBall<f64>,
+    first: &FirstOrder,
+    verdict: SolveFailure,
+) -> SolveFailure {
     let loaded = first.inertia_scale / ball.friction() * first.load;
     let error = FIRST_ORDER_ERROR * loaded;
     let exists = loaded < SMALL_INERTIA
         && first.exists()
         && first.sliding_margin > margin_error(ball, first, error)
         && first.rate.abs() > 2.0 * error;
-    if exists { NoAnswer::LOST } else { verdict }
+    if exists { SolveFailure::SEARCH_FAILED } else { verdict }
 }
 
 /// Refines a root by Newton's method with the weights (R44), which are necessary if the inertia
@@ -209,7 +220,7 @@ pub(super) fn refined(
     ball: &RigidBall<f64>,
     motion: &RigidMotion<f64>,
     work: &mut RigidWorkspace,
-) -> Result<BallRoot, NoAnswer> {
+) -> Result<BallRoot, SolveFailure> {
     let (equations, mut unknowns) = RigidEquations::at(ball, motion);
     let weights = ball.own_weights(motion, 1.0);
     let convergence = Convergence {
@@ -223,7 +234,7 @@ pub(super) fn refined(
     let scales = Scales { x: &[1.0; BALL], f: &weights };
     let report = solve(&equations, &mut unknowns.data.0[0], &scales, &options, &mut work.0).report;
     if !report.converged() {
-        return Err(NoAnswer::not_converged(Reason::from(report)));
+        return Err(SolveFailure::not_converged(Reason::from(report)));
     }
     let motion = equations.motion(&unknowns).expect("the residual was evaluated at the root");
     Ok(BallRoot {

@@ -7,14 +7,16 @@ use bsm_kin::Jet;
 use super::equations::{MIN_INERTIA, RigidEquations};
 use super::{Rigid, RigidWorkspace, root};
 use crate::contact::efficiency;
-use crate::models::ball::{BALL, NoAnswer, Performance, domain_error, inertia_limit, moving_root};
+use crate::models::ball::{
+    BALL, Performance, SolveFailure, domain_error, inertia_limit, moving_root,
+};
 
 impl<const M: usize> Rigid<Jet<M>> {
     /// Returns the efficiency and the torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut RigidWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let (inputs, values) = (self.ball()?, Rigid { point: self.point.values() }.ball()?);
         let first = values.first_order();
         inertia_limit(MIN_INERTIA * values.friction() / first.inertia_scale, |factor| {

@@ -133,16 +133,17 @@ fn random_starts_find_no_root_where_there_is_no_solution() {
     while no_solution < campaign(NO_SOLUTION) {
         let rigid = practical_point(&mut rng);
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
-        let answer = root::find(&case, &mut work);
+        let result = root::find(&case, &mut work);
         // If inertia is negligible, the first-order solution already proves that there is no root.
         if case.inertia_ratio < 1e-3 * case.friction() {
             continue;
         }
-        match answer {
-            Err(none) if none.status() == Status::NoSolution => {
+        match result {
+            Err(failure) if failure.status() == Status::NoSolution => {
                 no_solution += 1;
                 let roots = roots_from_random_starts((&rigid, &case), 1, &mut rng, &mut newton);
-                refuted.extend(roots.into_iter().map(|root| (rigid, none.reason().clone(), root)));
+                refuted
+                    .extend(roots.into_iter().map(|root| (rigid, failure.reason().clone(), root)));
             }
             Ok(_) if found < no_solution => {
                 found += 1;

@@ -13,7 +13,7 @@ use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{
-    EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, NoAnswer, SolveInfo,
+    EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, SolveFailure, SolveInfo,
     SteadyRoot, Workspace, domain_error, moving_root, to_both,
 };
 use crate::models::raceway_control::RollingBall;
@@ -49,19 +49,19 @@ impl SlipBall<'_> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if both methods fail.
+    /// Returns [`SolveFailure`] if both methods fail.
     fn search_lubricated(
         &self,
         near: &SlipRoot,
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Result<SlipRoot, NoAnswer> {
+    ) -> Result<SlipRoot, SolveFailure> {
         let here = self.of(near);
-        let mut failure = NoAnswer::LOST;
+        let mut failure = SolveFailure::SEARCH_FAILED;
         for ball in [here, here.complete(1.0)] {
             match ball.solved(near.unknowns, newton, steps) {
                 Ok(root) => return Ok(root),
-                Err(reason) => failure = NoAnswer::not_converged(reason),
+                Err(reason) => failure = SolveFailure::not_converged(reason),
             }
         }
         crate::cost::searched();
@@ -97,13 +97,13 @@ impl Traction {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root is found.
+    /// Returns [`SolveFailure`] if no root is found.
     fn lubricated_root(
         &self,
         ehl: &EhlPoint,
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
-    ) -> Result<ScaledRoot, NoAnswer> {
+    ) -> Result<ScaledRoot, SolveFailure> {
         let contacts = self.at.scaled()?;
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
         let Start { rolling_ball, .. } = Start::new(&contacts, rolling_ball.ok().as_ref())?;
@@ -131,8 +131,9 @@ impl Traction {
         } else {
             // A lubricated root may exist even if there is no root with a constant friction
             // coefficient.
-            let near =
-                search.search(&rolling_ball, newton, &mut steps).map_err(|_| NoAnswer::LOST)?;
+            let near = search
+                .search(&rolling_ball, newton, &mut steps)
+                .map_err(|_| SolveFailure::SEARCH_FAILED)?;
             smooth.search_lubricated(&near, newton, &mut steps)?
         };
         let frozen_rules = Default::default();
@@ -140,7 +141,7 @@ impl Traction {
         let refined = fine
             .refined(&root, &frozen_rules, newton, &mut steps)
             .or_else(|| fine.complete(1.0).refined(&root, &frozen_rules, newton, &mut steps))
-            .ok_or(NoAnswer::LOST)?;
+            .ok_or(SolveFailure::SEARCH_FAILED)?;
         let RootWithPower { root, transmitted, torque_slope, .. } = &refined;
         let checked = SlipBall { quadrature: check, ..fine.of(root) };
         let other = checked.evaluated(&root.unknowns).ok();
@@ -156,13 +157,13 @@ impl Traction {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root is found.
+    /// Returns [`SolveFailure`] if no root is found.
     pub(crate) fn lubricated(
         &self,
         ehl: &EhlPoint,
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
-    ) -> Result<SteadyRoot, NoAnswer> {
+    ) -> Result<SteadyRoot, SolveFailure> {
         let ScaledRoot { contacts, rolling_ball, refined, steps, error, .. } =
             self.lubricated_root(ehl, work, oil)?;
         let RootWithPower { root, transmitted, loaded, .. } = refined;
@@ -197,13 +198,13 @@ impl<const M: usize> Traction<Jet<M>> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root is found or the Jacobian is singular at the root.
+    /// Returns [`SolveFailure`] if no root is found or the Jacobian is singular at the root.
     pub(crate) fn lubricated_slopes(
         &self,
         ehl: &EhlPoint<Jet<M>>,
         values: &EhlPoint,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
-    ) -> Result<(ElasticContacts<Jet<M>>, LubricatedState<Jet<M>>), NoAnswer> {
+    ) -> Result<(ElasticContacts<Jet<M>>, LubricatedState<Jet<M>>), SolveFailure> {
         let inputs = self.at.scaled()?;
         let ScaledRoot { contacts, refined: RootWithPower { root, .. }, frozen_rules, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;

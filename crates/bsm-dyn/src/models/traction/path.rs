@@ -160,7 +160,7 @@ impl SlipBall<'_> {
         searched();
         let at_rest = match self.without_inertia(newton, steps) {
             Ok(at_rest) => at_rest,
-            Err(none) => return none,
+            Err(failure) => return failure,
         };
         let is_first = |root: &SlipRoot| self.is_balanced(root);
         let forward = self.beginning_at_rest(&at_rest, 1.0, is_first, newton, steps);

@@ -189,7 +189,7 @@ impl SlipBall<'_> {
         }
         let is_slow = OMEGA.iter().all(|i| y[*i].abs() < MAX_ANGULAR_SPEED);
         if !is_slow {
-            return Err(Reason::SearchLost);
+            return Err(Reason::SearchFailed);
         }
         Ok(loaded)
     }

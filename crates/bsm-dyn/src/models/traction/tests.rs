@@ -203,7 +203,7 @@ fn count_violated_error_bounds(seed: u64, points: usize) -> (usize, [usize; 3], 
         let screw = random_practical_screw(&mut rng);
         let mut solved = |accuracy| {
             let case = Traction { at: screw, accuracy, creep: Traction::CREEP };
-            case.solve(&mut work).answer.ok()
+            case.solve(&mut work).result.ok()
         };
         let Some(exact) = solved(1e-12) else { continue };
         answered += 1;
@@ -251,7 +251,7 @@ fn first_motion_on_the_branch_is_the_reported_motion() {
     for _ in 0..60 {
         let at = random_practical_screw(&mut rng);
         let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
-        let Ok(reported) = traction.solve(&mut work).answer else { continue };
+        let Ok(reported) = traction.solve(&mut work).result else { continue };
         let branch = traction.branch(&mut work).expect("a complete branch");
         let [found, expected] = [branch[0], reported].map(|state| state.transmission.efficiency);
         // Both are refined with the same quadrature to a residual of 1e-10.

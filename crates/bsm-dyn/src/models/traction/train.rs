@@ -16,7 +16,7 @@ use super::root::LARGE_INERTIA;
 use crate::contact::POWER_BALANCE_TOL;
 use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{
-    AnswerUnits, BALL, BallState, EhlPoint, ElasticContacts, ROWS, Workspace, variables,
+    BALL, BallState, EhlPoint, ElasticContacts, ROWS, ResultUnits, Workspace, variables,
 };
 use crate::models::workspace::ModelWorkspace;
 
@@ -103,7 +103,7 @@ pub struct TrainBall {
     creep: f64,
     uses_nut_angle: bool,
     /// Factors that convert scaled results to SI units.
-    units: AnswerUnits,
+    units: ResultUnits,
     /// Friction coefficient between balls.
     contact_friction: f64,
     free: TrainMotion,
@@ -189,7 +189,7 @@ impl TrainBall {
     ) -> Option<Self> {
         let point = case.at.point;
         let units = point.units();
-        let AnswerUnits { load, speed, .. } = units;
+        let ResultUnits { load, speed, .. } = units;
         let contacts = case.at.scaled().ok()?;
         let creep = case.creep * contacts.slip_scale();
         let [nut, screw] = [&free.nut, &free.screw];
@@ -416,7 +416,7 @@ impl TrainBall {
         pushes: [f64; 2],
         transmitted: &PowerFlow,
     ) -> Option<TrainMotion> {
-        let AnswerUnits { length: radius, load, speed, .. } = self.units;
+        let ResultUnits { length: radius, load, speed, .. } = self.units;
         let push = self.push(pushes);
         let loaded = ball.loaded(&unknowns).ok()?;
         let to_nut = ball.motion_to_nut(&unknowns, &loaded);
@@ -439,7 +439,7 @@ impl TrainBall {
     /// Returns the net power \[W\] that the screw and the axial forces supply to the ball in a
     /// given motion.
     pub fn power_in(&self, motion: &TrainMotion) -> f64 {
-        let AnswerUnits { length: radius, load, speed, .. } = self.units;
+        let ResultUnits { length: radius, load, speed, .. } = self.units;
         let per_radian = self.contacts.helix.lead() * radius / TAU;
         (motion.screw_torque - per_radian * (load + motion.axial_push)) * speed
     }
@@ -455,7 +455,7 @@ impl TrainBall {
     /// If the push forces far exceed the forces that a ball can withstand, Newton's method may
     /// converge to a state that violates the power balance.
     fn is_balanced(&self, motion: &TrainMotion) -> bool {
-        let AnswerUnits { length: radius, speed, .. } = self.units;
+        let ResultUnits { length: radius, speed, .. } = self.units;
         let [front, back] = motion.pushes;
         let travel = self.contacts.scaled.arc * radius * motion.rate * speed.abs();
         let friction_power = self.contact_power(motion);

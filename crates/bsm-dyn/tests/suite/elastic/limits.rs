@@ -12,7 +12,7 @@ use bsm_dyn::{
 use proptest::prelude::*;
 
 fn expect_solution(solution: Solution) -> SteadyState {
-    solution.answer.expect("a solution")
+    solution.result.expect("a solution")
 }
 
 fn with_friction(friction: f64, screw: ElasticPoint) -> ElasticPoint {
