@@ -23,8 +23,8 @@ impl Kernel for ElasticKernel {
         let back = units.speed.lt(friction.constant(0.0));
         let signed = back.select(-friction, friction);
         let skid = given.simd.vectorize(GrossSlipCall { contacts: &contacts, friction: signed });
-        if !skid.found.any() {
-            return skid.found;
+        if !skid.is_first_root.any() {
+            return skid.is_first_root;
         }
         let SlidingState { loads, sin, cos, .. } = skid.at.state;
         let sides = [
@@ -55,7 +55,7 @@ impl Kernel for ElasticKernel {
         });
         out.set(SolutionOutput::iterations, skid.steps);
         out.set(SolutionOutput::residual_norm, skid.residual);
-        skid.found & transmission.is_balanced()
+        skid.is_first_root & transmission.is_balanced()
     }
 }
 

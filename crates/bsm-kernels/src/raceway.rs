@@ -96,12 +96,12 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let Self { given, units, contacts, control, out } = self;
         let state = given.simd.vectorize(RollingCall { contacts, control });
         let (zero, unique) = (state.residual.constant(0.0), state.unique);
-        if !state.found.any() {
+        if !state.is_first_root.any() {
             return RacewayNumbers {
                 efficiency: zero,
                 skid: [zero; 2],
                 cotangents: [zero; 2],
-                found: state.found,
+                found: state.is_first_root,
                 unique,
             };
         }
@@ -143,7 +143,13 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let efficiency = transmission.efficiency;
         let [nut, screw] = &state.sides;
         let cotangents = [nut.cos / nut.sin, screw.cos / screw.sin];
-        RacewayNumbers { efficiency, skid, cotangents, found: state.found & resolved, unique }
+        RacewayNumbers {
+            efficiency,
+            skid,
+            cotangents,
+            found: state.is_first_root & resolved,
+            unique,
+        }
     }
 }
 

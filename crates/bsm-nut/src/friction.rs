@@ -577,7 +577,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
             FarFlanks::WithPlay(play) => play,
             FarFlanks::AsAtRest => {
                 let ball = self.in_own_arches(number, friction, 0.0);
-                ball.play_against_push(axial, &mut self.arches).unwrap_or(0.0)
+                ball.compensating_play(axial, &mut self.arches).unwrap_or(0.0)
             }
         };
         let ball = self.in_own_arches(number, friction, play);

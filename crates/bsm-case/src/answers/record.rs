@@ -455,7 +455,7 @@ impl Record {
         beside: &Supplement,
     ) -> Answer {
         let work = &mut ModelWorkspace::default();
-        let mut uncertainty = || case.problem(settings).ok()?.band(self.solved()?, work);
+        let mut uncertainty = || case.problem(settings).ok()?.loss_interval(self.solved()?, work);
         let band = if beside.band { uncertainty() } else { None };
         let (mut notes, mut parts) = (Vec::new(), None);
         if beside.band && band.is_none() && self.film().is_some() {

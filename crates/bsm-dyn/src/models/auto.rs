@@ -53,8 +53,13 @@ impl Auto {
         if let Some((rolling_ball, solved, errors)) = &known {
             match errors.basis(self.tolerance) {
                 Some(basis @ Basis::Rolling { .. }) => {
-                    let solved =
-                        work.raceway.with_others(&self.at, &contacts, rolling_ball, None, solved);
+                    let solved = work.raceway.with_alternatives(
+                        &self.at,
+                        &contacts,
+                        rolling_ball,
+                        None,
+                        solved,
+                    );
                     return (self.chosen(&solved, Some(errors.rolling), basis), None);
                 }
                 Some(basis) => {
@@ -92,7 +97,7 @@ impl Auto {
                     Some((rolling_ball, solved, errors))
                         if SlipRegime::of(errors.onset_number) == SlipRegime::Rolling =>
                     {
-                        let solved = work.raceway.with_others(
+                        let solved = work.raceway.with_alternatives(
                             &self.at,
                             &contacts,
                             &rolling_ball,

@@ -17,15 +17,16 @@ use self::curve::root;
 pub use self::states::{SlidingBall, SlidingMotion, SlidingState};
 pub use self::steady::SlidingRoot;
 use self::steady::rotation;
-use crate::contact::{Coulomb, DOES_NOT_CIRCLE, Wrench, against, friction_force, torque};
+use crate::contact::{Coulomb, DOES_NOT_CIRCLE, Wrench, friction_against, friction_force, torque};
 use crate::cost;
 use crate::models::ball::equation::MOMENT;
 use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
 use crate::models::ball::{
-    BALL, BallLoads, ElasticContacts, ElasticPoint, Model, ROWS, Reason, Solution, SolveFailure,
-    SolveInfo, SteadyState, Workspace, domain_error, equations, friction_power, weight,
+    BALL_UNKNOWNS, BallLoads, EQUATION_NAMES, ElasticContacts, ElasticPoint, Model, Reason,
+    Solution, SolveFailure, SolveInfo, SteadyState, Workspace, domain_error, equations,
+    friction_power, weight,
 };
 
 /// Minimum ratio of inertia force to friction force (dimensionless). Above this ratio, rounding
@@ -68,7 +69,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
     ///
     /// Returns [`EvalError`] if a contact is lost, or if the direction of friction or of the
     /// gyroscopic moment is undefined.
-    fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<GrossSlipState<D>, EvalError> {
+    fn state<D: Over<P>>(&self, y: &[D; BALL_UNKNOWNS]) -> Result<GrossSlipState<D>, EvalError> {
         cost::evaluated();
         let contacts = self.0;
         let loaded = contacts.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
@@ -106,7 +107,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         let slip = [along * y[SLIP], slip_screw];
         let friction = D::from(contacts.directed_friction());
         let friction = [
-            against(&along, y[NUT_LOAD] * friction),
+            friction_against(&along, y[NUT_LOAD] * friction),
             friction_force(&Coulomb(friction), y[SCREW_LOAD], &slip[1])?,
         ];
         let wrench = std::array::from_fn(|i| {
@@ -121,7 +122,10 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
     /// # Errors
     ///
     /// Returns the errors of [`state`](Self::state).
-    fn residual<D: Over<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+    fn residual<D: Over<P>>(
+        &self,
+        y: &[D; BALL_UNKNOWNS],
+    ) -> Result<[D; BALL_UNKNOWNS], EvalError> {
         let (contacts, state) = (self.0, self.state(y)?);
         // The nut speed is along k and causes no gyroscopic moment, so it is omitted to avoid
         // rounding errors.
@@ -130,7 +134,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
     }
 }
 
-equations!(GrossSlipEquations<'_>, BALL, GrossSlipEquations::residual, ROWS);
+equations!(GrossSlipEquations<'_>, BALL_UNKNOWNS, GrossSlipEquations::residual, EQUATION_NAMES);
 
 /// A root of the equations of the elastic model.
 #[derive(Debug)]
@@ -179,7 +183,7 @@ impl GrossSlip {
 }
 
 /// Unknowns at a root, total number of Newton steps, and residual.
-type ElasticRoot = ([f64; BALL], usize, f64);
+type ElasticRoot = ([f64; BALL_UNKNOWNS], usize, f64);
 
 /// Returns the first root on the equilibrium curve, expressed in the unknowns (S1).
 ///
@@ -197,14 +201,14 @@ fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoo
 
 /// Returns the factor by which the inertia must be multiplied so that the ratio of inertia force to
 /// friction force at a root equals [`MIN_INERTIA`].
-fn inertia_factor(contacts: &ElasticContacts, root: &[f64; BALL]) -> f64 {
+fn inertia_factor(contacts: &ElasticContacts, root: &[f64; BALL_UNKNOWNS]) -> f64 {
     let rate = root[PRECESSION] + contacts.scaled.nut_speed;
     MIN_INERTIA / (contacts.inertia_ratio() * rate * rate / contacts.friction)
 }
 
 /// Returns the weights of the equations near `y`, which are the reciprocals of the largest term of
 /// each equation. The weights are finite even if the ball stops orbiting (P → 0).
-fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
+fn weights(contacts: &ElasticContacts, y: &[f64; BALL_UNKNOWNS]) -> [f64; BALL_UNKNOWNS] {
     let rate = (y[PRECESSION] + contacts.scaled.nut_speed).abs();
     let centrifugal = contacts.inertia_ratio() * rate * rate;
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
@@ -212,7 +216,7 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     // moment I P ω of the rolling ball.
     let gyroscopic =
         contacts.scaled.ball().inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.scaled.arc);
-    let mut weights = [weight(force); BALL];
+    let mut weights = [weight(force); BALL_UNKNOWNS];
     let across = weight(force.max(gyroscopic));
     for (row, weight) in MOMENT.into_iter().zip([across, weight(gyroscopic), across]) {
         weights[row] = weight;
@@ -221,9 +225,9 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
 }
 
 /// Runs Newton's method from the starting value `y`.
-fn run(contacts: &ElasticContacts, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+fn run(contacts: &ElasticContacts, y: &mut [f64; BALL_UNKNOWNS], newton: &mut Workspace) -> Report {
     let weights = weights(contacts, y);
-    let scales = Scales { x: &[1.0; BALL], f: &weights };
+    let scales = Scales { x: &[1.0; BALL_UNKNOWNS], f: &weights };
     solve(&GrossSlipEquations(contacts), y, &scales, &Options::default(), newton).report
 }
 

@@ -17,9 +17,11 @@ use bsm_newton::{Continuation, Convergence, JacobianUpdate, Options, Outcome, fo
 
 use self::balance::{ArchState, Balance, FrozenRules, Pressed, UNKNOWNS};
 pub use self::grooves::{ArchFit, AxialCondition, FLANKS, FlankApproach, Grooves};
-use self::grooves::{PLACE, site};
+use self::grooves::{POSITIONS, site};
 pub use self::pair::{GothicPair, RunningPair};
-use super::traction::{COARSE, COARSE_RESIDUAL, SEARCH, Traction, TractionWorkspace};
+use super::traction::{
+    COARSE_ACCURACY, COARSE_RESIDUAL, SEARCH_ACCURACY, Traction, TractionWorkspace,
+};
 use crate::contact::{
     Coulomb, Load, POWER_BALANCE_TOL, Power, axial_force, efficiency, ideal_torque, max_pressure,
     torque,
@@ -52,7 +54,7 @@ pub struct GothicBall<D = f64> {
 pub struct GothicWorkspace {
     traction: TractionWorkspace,
     newton: Workspace<UNKNOWNS>,
-    rest: Workspace<PLACE>,
+    rest: Workspace<POSITIONS>,
     rules: Rules,
 }
 
@@ -103,7 +105,7 @@ pub struct GothicState {
 /// `$|W|$`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Root {
-    place: [f64; PLACE],
+    positions: [f64; POSITIONS],
     motion: [f64; 4],
 }
 
@@ -111,14 +113,14 @@ impl Root {
     /// Returns the root for the screw turned end for end, so that the opposite flanks carry the
     /// load and the speeds are reversed.
     fn turned(&self) -> Self {
-        let ([x_b, x_n, w_b], [rate, along, radial, around]) = (self.place, self.motion);
-        Self { place: [-x_b, x_n, -w_b], motion: [-rate, -along, radial, -around] }
+        let ([x_b, x_n, w_b], [rate, along, radial, around]) = (self.positions, self.motion);
+        Self { positions: [-x_b, x_n, -w_b], motion: [-rate, -along, radial, -around] }
     }
 
     /// Returns the gap between the ball and the nearer far flank \[m\]. The gap is negative if ball
     /// and flank overlap.
     fn far_gap(&self, grooves: &Grooves) -> f64 {
-        let [nut, screw] = [1, 3].map(|far| grooves.flank(far, &self.place).approach);
+        let [nut, screw] = [1, 3].map(|far| grooves.flank(far, &self.positions).approach);
         -nut.max(screw)
     }
 
@@ -126,8 +128,8 @@ impl Root {
     /// \[m\].
     fn unknowns(&self, length: f64) -> [f64; UNKNOWNS] {
         from_fn(|i| match i {
-            0..PLACE => self.place[i] / length,
-            _ => self.motion[i - PLACE],
+            0..POSITIONS => self.positions[i] / length,
+            _ => self.motion[i - POSITIONS],
         })
     }
 }
@@ -152,7 +154,7 @@ const MAX_STEPS: usize = 25;
 
 /// Maximum scaled residual before the final Newton step. The residual after this step is not
 /// evaluated.
-const ROOT: f64 = 1e-10;
+const ROOT_RESIDUAL: f64 = 1e-10;
 
 /// Minimum ratio of the friction moment of the far flanks to the spin moment of the loaded flanks,
 /// both calculated without numerical factors. Above this ratio, the search starts with the
@@ -231,7 +233,7 @@ impl GothicBall {
     /// Returns the axial play \[m\] at which the gap at the far flank with friction equals the gap
     /// without play and without friction (AC10). Returns `None` if two contacts cannot carry the
     /// axial force \[N\].
-    pub fn play_against_push(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
+    pub fn compensating_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
         let grooves = Grooves::of(&self.at, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
         let at = self.two_contact_point();
@@ -271,27 +273,27 @@ impl GothicBall {
         &self,
         grooves: &Grooves,
         condition: AxialCondition,
-        at_rest: &[f64; PLACE],
+        at_rest: &[f64; POSITIONS],
         work: &mut GothicWorkspace,
         start: impl Fn(Start, &mut TractionWorkspace) -> Option<Root>,
     ) -> Result<GothicState, SolveFailure> {
         let GothicWorkspace { traction, newton, rest, rules } = work;
         let [[coarse, _], [smooth, _], [quadrature, _]] =
-            rules.dry([COARSE, SEARCH, self.accuracy]);
+            rules.dry([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]);
         let balance = self.balance(grooves, condition, at_rest, quadrature);
         let coarse = Balance { quadrature: coarse, coarse: true, ..balance };
         let smooth = Balance { quadrature: smooth, ..balance };
         let mut search = Search { balance, coarse, smooth, newton, steps: 0 };
         let near = start(Start::Near, traction).and_then(|near| {
-            let place = search.settled_place(&near, [true; FLANKS], rest)?;
-            search.from(&Root { place, ..near })
+            let positions = search.equilibrium_position(&near, [true; FLANKS], rest)?;
+            search.from(&Root { positions, ..near })
         });
         let found = near.or_else(|| {
             let two_contacts = start(Start::TwoContacts, traction)?;
-            let diagonal = usize::from(grooves.axial_force(at_rest) < 0.0);
-            let settled = search.settled(&two_contacts, diagonal, rest);
-            let settled = settled.into_iter().flatten().find_map(|start| search.from(&start));
-            settled.or_else(|| search.from(&two_contacts))
+            let flank_pair = usize::from(grooves.axial_force(at_rest) < 0.0);
+            let starts = search.equilibrium_starts(&two_contacts, flank_pair, rest);
+            let found = starts.into_iter().flatten().find_map(|start| search.from(&start));
+            found.or_else(|| search.from(&two_contacts))
         });
         let Found { unknowns, residual, rules } = match found {
             Some(found) => found,
@@ -326,8 +328,8 @@ impl GothicBall {
     ) -> Result<f64, SolveFailure> {
         let grooves = Grooves::of(&self.at, &self.fit)?;
         let u = grooves.first_touch() / grooves.lead.1 + deflection;
-        let place = grooves.at_rest(AxialCondition::Displacement(u), &mut work.rest)?;
-        Ok(grooves.axial_force(&place))
+        let positions = grooves.at_rest(AxialCondition::Displacement(u), &mut work.rest)?;
+        Ok(grooves.axial_force(&positions))
     }
 
     /// Returns the axial displacement \[m\] of the nut beyond first contact that results from an
@@ -342,8 +344,8 @@ impl GothicBall {
         work: &mut GothicWorkspace,
     ) -> Result<f64, SolveFailure> {
         let grooves = Grooves::of(&self.at, &self.fit)?;
-        let place = grooves.at_rest(AxialCondition::Force(axial), &mut work.rest)?;
-        Ok((place[2] - grooves.first_touch()) / grooves.lead.1)
+        let positions = grooves.at_rest(AxialCondition::Force(axial), &mut work.rest)?;
+        Ok((positions[2] - grooves.first_touch()) / grooves.lead.1)
     }
 
     /// Returns the ball with reversed speeds. The returned ball represents the ball in the other
@@ -377,7 +379,7 @@ impl GothicBall {
             found.motion?.relative_to(self.at.point.drive.nut_speed, &self.frame());
         let speed = self.at.point.drive.relative_speed().abs();
         Some(Root {
-            place: grooves.between([at_nut, at_screw], [nut.angle, screw.angle]),
+            positions: grooves.position_for([at_nut, at_screw], [nut.angle, screw.angle]),
             motion: [precession, omega.x, omega.y, omega.z].map(|of| of / speed),
         })
     }
@@ -390,7 +392,7 @@ impl GothicBall {
         &'a self,
         grooves: &'a Grooves,
         condition: AxialCondition,
-        at_rest: &[f64; PLACE],
+        at_rest: &[f64; POSITIONS],
         quadrature: &'a Quadrature,
     ) -> Balance<'a> {
         let point = &self.at.point;
@@ -422,7 +424,7 @@ impl GothicBall {
         let point = &self.at.point;
         let frame = self.frame();
         let state = balance.evaluated(unknowns);
-        let ArchState { place, approaches, pressed, .. } = &state;
+        let ArchState { positions, approaches, pressed, .. } = &state;
         let carried = axial_force(&state.wrench(0..2).force, &frame);
         let speed = point.drive.relative_speed();
         let (rate, omega) = state.to_nut;
@@ -448,14 +450,14 @@ impl GothicBall {
             to_nut,
             relative_speed: speed,
             axial_force: carried,
-            axial_displacement: place[2] / cos_lead,
+            axial_displacement: positions[2] / cos_lead,
             first_touch: balance.grooves.first_touch() / cos_lead,
             screw_torque,
             efficiency: carries.then(|| efficiency(speed < 0.0, ideal, screw_torque)),
             power,
             power_balance: imbalance,
             info,
-            root: Root { place: *place, motion: from_fn(|i| unknowns[PLACE + i]) },
+            root: Root { positions: *positions, motion: from_fn(|i| unknowns[POSITIONS + i]) },
         })
     }
 
@@ -582,7 +584,7 @@ impl GothicBall {
         let speed = point.drive.relative_speed();
         let torque = state.screw_torque * load.balls;
         let transmission = Transmission::of(speed < 0.0, point.ideal_torque(), torque, speed)
-            .against(state.friction_power() * load.balls)
+            .with_power_balance(state.friction_power() * load.balls)
             .balanced()?;
         let power = |flanks: [usize; 2]| -> f64 {
             flanks.iter().filter_map(|i| state.contacts[*i]).map(|contact| contact.power).sum()
@@ -725,42 +727,45 @@ impl Search<'_> {
     /// two contacts; the other has the motion of a ball whose third contact stops its spin. The
     /// more likely starting value comes first.
     ///
-    /// * `diagonal`: pair of loaded flanks, 0 for the + flanks and 1 for the − flanks.
-    fn settled(
+    /// * `flank_pair`: pair of loaded flanks, 0 for the + flanks and 1 for the − flanks.
+    fn equilibrium_starts(
         &self,
         start: &Root,
-        diagonal: usize,
-        newton: &mut Workspace<PLACE>,
+        flank_pair: usize,
+        newton: &mut Workspace<POSITIONS>,
     ) -> Option<[Root; 2]> {
         let grooves = self.balance.grooves;
-        let place = self.settled_place(start, from_fn(|i| i % 2 == diagonal), newton)?;
-        let settled = Root { place, ..*start };
-        let rolling =
-            Root { motion: self.balance.without_spin(&place, diagonal, start.motion), place };
+        let positions =
+            self.equilibrium_position(start, from_fn(|i| i % 2 == flank_pair), newton)?;
+        let unchanged = Root { positions, ..*start };
+        let rolling = Root {
+            motion: self.balance.without_spin(&positions, flank_pair, start.motion),
+            positions,
+        };
         // Two friction moments act about n: the moment of the far flanks, and the spin moment of
         // the loaded flanks.
         let flank = |i: usize| {
-            let approach = grooves.flank(i, &place).approach;
+            let approach = grooves.flank(i, &positions).approach;
             (grooves.load(i, approach), grooves.semi_axes(i, approach.max(0.0)).0)
         };
-        let [loaded, far] = [diagonal, 1 - diagonal].map(|i| [flank(i), flank(2 + i)]);
+        let [loaded, far] = [flank_pair, 1 - flank_pair].map(|i| [flank(i), flank(2 + i)]);
         let far: f64 = far.iter().map(|(load, _)| load).sum();
         let spin: f64 = loaded.iter().map(|(load, semi_axis)| load * semi_axis).sum();
         let stops = far * self.balance.at.point.ball.radius > SPIN_STOP_RATIO * spin;
-        Some(if stops { [rolling, settled] } else { [settled, rolling] })
+        Some(if stops { [rolling, unchanged] } else { [unchanged, rolling] })
     }
 
     /// Returns the position of the ball at which the normal loads balance the friction of the
     /// selected flanks for a given starting value, or `None` if no such position is found.
-    fn settled_place(
+    fn equilibrium_position(
         &self,
         start: &Root,
         flanks: [bool; FLANKS],
-        newton: &mut Workspace<PLACE>,
-    ) -> Option<[f64; PLACE]> {
+        newton: &mut Workspace<POSITIONS>,
+    ) -> Option<[f64; POSITIONS]> {
         let Balance { grooves, condition, units, .. } = self.balance;
         let forces = self.coarse.friction(&start.unknowns(units.1), flanks);
-        grooves.settled(condition, &forces, (&start.place, units), newton).ok()
+        grooves.equilibrium_position(condition, &forces, (&start.positions, units), newton).ok()
     }
 
     /// Returns the root near `y`. The node counts of the quadrature stay fixed at their values for
@@ -768,7 +773,7 @@ impl Search<'_> {
     fn refined(&mut self, y: [f64; UNKNOWNS]) -> Result<Found, SolveFailure> {
         let rules = FrozenRules::default();
         let balance = Balance { frozen_rules: Some(&rules), ..self.balance };
-        let (unknowns, residual) = self.solved(&balance, y, ROOT)?;
+        let (unknowns, residual) = self.solved(&balance, y, ROOT_RESIDUAL)?;
         Ok(Found { unknowns, residual, rules })
     }
 
@@ -799,7 +804,7 @@ impl Search<'_> {
 
     /// Finds the root by a continuation that starts from the ball at rest and lowers the creep
     /// speed.
-    fn by_lowering_creep(&mut self, at_rest: &[f64; PLACE]) -> Result<Found, SolveFailure> {
+    fn by_lowering_creep(&mut self, at_rest: &[f64; POSITIONS]) -> Result<Found, SolveFailure> {
         let Self { balance, smooth, .. } = *self;
         // The first continuation may fail because the integrals with the coarser quadrature rule
         // can jump. In this case, a second continuation uses the requested quadrature rule.
@@ -811,15 +816,15 @@ impl Search<'_> {
     fn followed(
         &mut self,
         balance: &Balance<'_>,
-        at_rest: &[f64; PLACE],
+        at_rest: &[f64; POSITIONS],
     ) -> Result<Found, SolveFailure> {
         let sign = balance.at.point.drive.relative_speed().signum();
         // At the start, the ball precesses at half the speed of the screw and rolls about b,
         // because the raceways of the nut and the screw are on opposite sides of the ball.
         let motion = [0.5 * sign, 0.0, 0.0, -0.5 * sign * balance.turning()];
         let mut y = from_fn(|i| match i {
-            0..PLACE => at_rest[i] / balance.units.1,
-            _ => motion[i - PLACE],
+            0..POSITIONS => at_rest[i] / balance.units.1,
+            _ => motion[i - POSITIONS],
         });
         let control = Continuation { first: 0.9, shortest: 0.02 };
         let (end, mut failure) = (balance.creep, SolveFailure::SEARCH_FAILED);

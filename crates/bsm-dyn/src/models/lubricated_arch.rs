@@ -68,16 +68,16 @@ impl LubricatedArch {
         let surplus = dry_power.dissipated - dry_two;
         let point = &case.at.point;
         let speed = point.drive.relative_speed();
-        let (torque, lost) = (two.transmission.screw_torque, two.transmission.power);
-        let Some((torque, lost)) = torque.zip(lost) else {
+        let (torque, power) = (two.transmission.screw_torque, two.transmission.power);
+        let Some((torque, power)) = torque.zip(power) else {
             return Err(SolveFailure::SEARCH_FAILED);
         };
         let transmission =
             Transmission::of(speed < 0.0, point.ideal_torque(), torque + surplus / speed, speed)
-                .against(lost.dissipated + surplus)
+                .with_power_balance(power.dissipated + surplus)
                 .balanced()?;
         let of_contact = contact.power_share * dry_power.dissipated;
-        let power_share = of_contact / (lost.dissipated + surplus);
+        let power_share = of_contact / (power.dissipated + surplus);
         let contact = ThirdContact { power_share, ..contact };
         let body = usize::from(contact.site == Site::Screw);
         let contact_power = two.contact_power.map(|mut power| {
@@ -93,7 +93,7 @@ impl LubricatedArch {
             far_flank: Some(FarFlank {
                 gap,
                 contact: Some(contact),
-                two_contact_power: Some(lost.dissipated),
+                two_contact_power: Some(power.dissipated),
             }),
             ..*two
         })

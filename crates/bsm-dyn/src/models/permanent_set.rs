@@ -86,7 +86,7 @@ impl ElasticPoint {
 }
 
 /// Number of unknowns of [`RadialClosure`].
-const CLOSURE: usize = 1;
+const CLOSURE_UNKNOWNS: usize = 1;
 
 /// Radial closure condition for the triangle that is formed by the ball center and the two arc
 /// centers. The unknown is the cotangent of the contact angle at the screw.
@@ -132,7 +132,10 @@ impl RadialClosure {
         [[elastic(0), elastic(1)], [permanent(0), permanent(1)]]
     }
 
-    fn residual<D: Scalar>(&self, &[screw]: &[D; CLOSURE]) -> Result<[D; CLOSURE], EvalError> {
+    fn residual<D: Scalar>(
+        &self,
+        &[screw]: &[D; CLOSURE_UNKNOWNS],
+    ) -> Result<[D; CLOSURE_UNKNOWNS], EvalError> {
         let (loads, cotangents) = self.forces(screw)?;
         let [elastic, permanent] = self.approaches(loads);
         let part = |i: usize| {
@@ -145,7 +148,12 @@ impl RadialClosure {
     }
 }
 
-equations!(RadialClosure, CLOSURE, RadialClosure::residual, ["radial closure of the groove arcs"]);
+equations!(
+    RadialClosure,
+    CLOSURE_UNKNOWNS,
+    RadialClosure::residual,
+    ["radial closure of the groove arcs"]
+);
 
 /// Returns the ratio of the maximum pressure to the pressure at which the softer of the two bodies
 /// first yields (M4).

@@ -75,10 +75,14 @@ impl Problem {
 
     /// Returns the uncertainty interval of the power loss in lubricated contacts for a solved
     /// point; `None` without a lubricant.
-    pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
+    pub fn loss_interval(
+        &self,
+        solved: &SteadyState,
+        work: &mut ModelWorkspace,
+    ) -> Option<LossInterval> {
         match self {
-            Self::Lubricated(problem) => problem.band(solved, work),
-            Self::LubricatedArch(problem) => problem.ball.band(solved, work),
+            Self::Lubricated(problem) => problem.loss_interval(solved, work),
+            Self::LubricatedArch(problem) => problem.ball.loss_interval(solved, work),
             _ => None,
         }
     }

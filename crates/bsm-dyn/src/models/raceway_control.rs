@@ -19,7 +19,7 @@ use self::balance::{Balance, StaticRoot};
 pub use self::ball::RacewayBall;
 pub use self::direct::{RollingMotion, RollingRoot};
 pub use self::rolling::rolling;
-pub(crate) use self::statics::STATIC;
+pub(crate) use self::statics::STATIC_UNKNOWNS;
 use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
     BallLoads, Control, ControllingRaceway, ElasticContacts, ElasticPoint, LoadedContact, Model,
@@ -38,7 +38,7 @@ pub struct RacewayControl<D = f64> {
 
 /// Reusable buffers for solving raceway-control models.
 pub struct RacewayWorkspace {
-    newton: Workspace<STATIC>,
+    newton: Workspace<STATIC_UNKNOWNS>,
     /// Quadrature rule for results without derivatives.
     quadrature: Quadrature,
     /// Quadrature rule for derivatives.
@@ -72,7 +72,7 @@ pub(crate) struct RollingBall {
     /// The controlling raceway.
     control: Control,
     /// Unknowns of the static balance.
-    unknowns: [f64; STATIC],
+    unknowns: [f64; STATIC_UNKNOWNS],
     /// Loads, contact angles and contacts.
     pub(crate) loaded: BallLoads<f64>,
     /// Motion relative to the nut, divided by `$W$`.
@@ -98,11 +98,11 @@ impl RollingBall {
     pub(crate) fn of(
         contacts: &ElasticContacts,
         control: Option<Control>,
-        newton: &mut Workspace<STATIC>,
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
     ) -> Result<Self, SolveFailure> {
         // First, Newton's method is started from equal contact angles.
         let direct = RollingRoot::direct(&contacts.into(), control, true);
-        if direct.found {
+        if direct.is_first_root {
             let control = if direct.by_nut { Control::Nut } else { Control::Screw };
             let ball = Self::at(&Balance::new(contacts, control), StaticRoot::from(&direct));
             return Ok(Self { is_unique: direct.unique, ..ball });
@@ -122,7 +122,7 @@ impl RollingBall {
     /// control.
     fn selected(
         contacts: &ElasticContacts,
-        newton: &mut Workspace<STATIC>,
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
     ) -> Result<Self, SolveFailure> {
         let nut = Self::controlled(contacts, Control::Nut, newton);
         if let Ok(nut) = &nut
@@ -142,7 +142,7 @@ impl RollingBall {
     fn controlled(
         contacts: &ElasticContacts,
         control: Control,
-        newton: &mut Workspace<STATIC>,
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
     ) -> Result<Self, SolveFailure> {
         let balance = Balance::new(contacts, control);
         Ok(Self::at(&balance, balance.first_root(newton)?))
@@ -179,7 +179,7 @@ impl RollingBall {
         &self,
         contacts: &ElasticContacts,
         control: Option<Control>,
-        newton: &mut Workspace<STATIC>,
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
     ) -> Vec<Self> {
         if self.is_unique {
             return Vec::new();
@@ -189,7 +189,7 @@ impl RollingBall {
         let mut alternatives: Vec<_> =
             farther.into_iter().map(|root| Self::at(&same, root)).collect();
         let decided =
-            control.is_some() || self.control == Control::Screw || self.is_clear(contacts);
+            control.is_some() || self.control == Control::Screw || self.is_unambiguous(contacts);
         if !decided
             && let Ok(screw) = Self::controlled(contacts, Control::Screw, newton)
             && screw.is_consistent(contacts)
@@ -201,10 +201,10 @@ impl RollingBall {
 
     /// Returns true if (W7) selects the same raceway regardless of which raceway controls, and if
     /// no other roots exist.
-    fn is_clear(&self, contacts: &ElasticContacts) -> bool {
+    fn is_unambiguous(&self, contacts: &ElasticContacts) -> bool {
         let (ball, sides) = (RacewayBall::from(contacts), self.sides(contacts));
         Control::ALL.iter().all(|raceway| Balance::new(contacts, *raceway).is_unique())
-            && ball.is_control_clear(&sides, ball.nut_excess(&sides))
+            && ball.is_control_unambiguous(&sides, ball.nut_excess(&sides))
     }
 
     /// Estimates the state of the nut-controlled ball with an accuracy of two digits. An estimate
@@ -220,7 +220,7 @@ impl RollingBall {
         let [nut, screw, tilt] = contacts.static_balance(p + contacts.scaled.nut_speed);
         let loaded = contacts.loaded([nut, screw], tilt).map_err(domain_error)?;
         let (control, to_nut) = (balance.control, balance.rolling(&loaded));
-        let (unknowns, residual) = ([f64::NAN; STATIC], f64::INFINITY);
+        let (unknowns, residual) = ([f64::NAN; STATIC_UNKNOWNS], f64::INFINITY);
         Ok(Self { control, unknowns, loaded, to_nut, steps: 0, residual, is_unique: false })
     }
 
@@ -264,7 +264,7 @@ impl RacewayControl {
         let solved = self.at.scaled().and_then(|contacts| {
             let rolling_ball = work.rolling_ball(&contacts, self.control)?;
             let solved = work.solved(&self.at, &contacts, &rolling_ball)?;
-            Ok(work.with_others(&self.at, &contacts, &rolling_ball, self.control, &solved))
+            Ok(work.with_alternatives(&self.at, &contacts, &rolling_ball, self.control, &solved))
         });
         Solution::new(Model::RacewayControl, solved)
     }
@@ -329,7 +329,7 @@ impl RacewayWorkspace {
 
     /// Returns the steady state of a rolling ball with information about other solutions: their
     /// number, and the efficiency that differs most from the efficiency of this steady state.
-    pub(crate) fn with_others(
+    pub(crate) fn with_alternatives(
         &mut self,
         screw: &ElasticPoint,
         contacts: &ElasticContacts,
@@ -562,11 +562,11 @@ mod tests {
                 .map(|raceway| RollingBall::controlled(&contacts, raceway, &mut newton).ok());
             let (Some(nut), Some(screw)) = (nut, screw) else { continue };
             solved += 1;
-            asked += usize::from(!nut.is_clear(&contacts));
+            asked += usize::from(!nut.is_unambiguous(&contacts));
             let consistent = [nut.is_consistent(&contacts), screw.is_consistent(&contacts)];
             both += usize::from(consistent == [true; 2]);
             neither += usize::from(consistent == [false; 2]);
-            missed += usize::from(consistent[0] == consistent[1] && nut.is_clear(&contacts));
+            missed += usize::from(consistent[0] == consistent[1] && nut.is_unambiguous(&contacts));
             let found = RollingBall::of(&contacts, None, &mut newton).expect("a ball");
             let alternatives = found.alternatives(&contacts, None, &mut newton);
             let of_screw = alternatives.iter().any(|other| other.control != found.control);

@@ -24,8 +24,8 @@ pub use self::root::RigidWorkspace;
 pub use self::sweeps::Sweeps;
 use crate::contact::Angles;
 use crate::models::ball::{
-    BALL, BallState, ContactState, Model, OperatingPoint, ROWS, ResultUnits, ScaledPoint, Slip,
-    Solution, SolveFailure, SolveInfo, SteadyState, equations, friction_angle,
+    BALL_UNKNOWNS, BallState, ContactState, EQUATION_NAMES, Model, OperatingPoint, ResultUnits,
+    ScaledPoint, Slip, Solution, SolveFailure, SolveInfo, SteadyState, equations, friction_angle,
 };
 
 /// Inputs of the rigid model. All three contacts have the contact angle of the operating point.
@@ -66,9 +66,9 @@ pub struct RigidRoot {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidSystem {
     /// Weights of the equations. The weights of the unknowns are one.
-    pub weights: [f64; BALL],
+    pub weights: [f64; BALL_UNKNOWNS],
     /// Starting value of Newton's method, which is the first-order solution.
-    pub start: [f64; BALL],
+    pub start: [f64; BALL_UNKNOWNS],
     equations: RigidEquations<f64>,
 }
 
@@ -80,7 +80,7 @@ impl RigidSystem {
         let ball = case.ball().ok()?;
         let first = ball.first_order();
         let (weights, start) = (ball.weights(first.rate), ball.start_of(&first).into());
-        Some(Self { weights, start, equations: RigidEquations { ball, from_ground: false } })
+        Some(Self { weights, start, equations: RigidEquations { ball, uses_absolute_rate: false } })
     }
 
     /// Returns the residuals of the seven equations (R8) for any scalar type.
@@ -92,12 +92,15 @@ impl RigidSystem {
         self.equations.residual(y)
     }
 
-    fn residual_at<D: Over<f64>>(&self, x: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+    fn residual_at<D: Over<f64>>(
+        &self,
+        x: &[D; BALL_UNKNOWNS],
+    ) -> Result<[D; BALL_UNKNOWNS], EvalError> {
         self.equations.residual_at(x)
     }
 }
 
-equations!(RigidSystem, BALL, RigidSystem::residual_at, ROWS);
+equations!(RigidSystem, BALL_UNKNOWNS, RigidSystem::residual_at, EQUATION_NAMES);
 
 impl<D: Scalar> Rigid<D> {
     /// Returns the operating point in scaled units, which are multiples of the ball radius, the

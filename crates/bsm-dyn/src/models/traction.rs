@@ -14,8 +14,8 @@ mod sensitivities;
 mod slips;
 mod train;
 
-pub(crate) use self::equations::{COARSE, COARSE_RESIDUAL, SEARCH, turned};
-use self::equations::{ROOT, SlipBall};
+pub(crate) use self::equations::{COARSE_ACCURACY, COARSE_RESIDUAL, SEARCH_ACCURACY, turned};
+use self::equations::{ROOT_RESIDUAL, SlipBall};
 use self::root::RootWithPower;
 pub(crate) use self::root::SlipRoot;
 pub use self::train::{TrainBall, TrainMotion};
@@ -25,7 +25,7 @@ use crate::models::ball::{
     ElasticContacts, ElasticPoint, ErrorBound, Model, Solution, SolveFailure, SolveInfo,
     SteadyState, Workspace, creep_effect, integrated_error,
 };
-use crate::models::raceway_control::{RollingBall, STATIC};
+use crate::models::raceway_control::{RollingBall, STATIC_UNKNOWNS};
 
 /// Inputs of the traction model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +53,7 @@ impl Traction {
 /// Reusable buffers for solving traction models.
 #[derive(Default)]
 pub struct TractionWorkspace {
-    statics: Workspace<STATIC>,
+    statics: Workspace<STATIC_UNKNOWNS>,
     newton: Workspace,
     rules: Rules,
 }
@@ -133,13 +133,13 @@ impl Traction {
         work: &mut TractionWorkspace,
     ) -> Result<SlipResult, NotFound> {
         let TractionWorkspace { newton, rules, .. } = work;
-        let rules = rules.dry([COARSE, SEARCH, self.accuracy]);
+        let rules = rules.dry([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]);
         let creep = self.creep * contacts.slip_scale();
         let [coarse, search, ball] =
             rules.map(|[rule, _]| SlipBall::of_contacts(contacts, rule, creep));
         let (coarse, ball) = (
             SlipBall { residual_goal: COARSE_RESIDUAL, ..coarse },
-            SlipBall { residual_goal: ROOT, ..ball },
+            SlipBall { residual_goal: ROOT_RESIDUAL, ..ball },
         );
         let [.., [_, check]] = rules;
         let frozen_rules = Default::default();
@@ -209,11 +209,13 @@ impl Traction {
         self.at.point.require_friction()?;
         let contacts = self.at.scaled()?;
         let TractionWorkspace { newton, rules, .. } = work;
-        let [[search, _], [rule, _]] = rules.dry([SEARCH, self.accuracy]);
+        let [[search, _], [rule, _]] = rules.dry([SEARCH_ACCURACY, self.accuracy]);
         let creep = self.creep * contacts.slip_scale();
         let search = SlipBall::of_contacts(&contacts, search, creep);
-        let ball =
-            SlipBall { residual_goal: ROOT, ..SlipBall::of_contacts(&contacts, rule, creep) };
+        let ball = SlipBall {
+            residual_goal: ROOT_RESIDUAL,
+            ..SlipBall::of_contacts(&contacts, rule, creep)
+        };
         let with_nut_angle = SlipBall { uses_nut_angle: true, ..search };
         let roots = search.all_roots(newton).or_else(|| with_nut_angle.all_roots(newton));
         let mut states = Vec::<SteadyState>::new();

@@ -60,7 +60,7 @@ impl Tally {
             }
             Err(none) if none.status() == Status::NoSolution => {
                 self.no_solution += 1;
-                self.refuted += usize::from(start.exists());
+                self.refuted += usize::from(start.root_exists());
             }
             Err(_) => {
                 self.not_converged += 1;

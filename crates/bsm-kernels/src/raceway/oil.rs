@@ -71,8 +71,8 @@ impl<S: Simd> OilLane<S> {
             RacewayFriction::Local => {
                 let laws = [&films[0].law, &films[1].law];
                 let [sliding, slip] =
-                    Ellipse::lubricated_powers(given.simd, [nut, screw], laws, state.found);
-                (slip, sliding, state.found)
+                    Ellipse::lubricated_powers(given.simd, [nut, screw], laws, state.is_first_root);
+                (slip, sliding, state.is_first_root)
             }
         };
         let losses = [

@@ -56,7 +56,7 @@ pub(super) fn band(
 ) -> Option<[f64; 2]> {
     let problem = case.at_point(load.abs(), load.signum() * speed).problem(settings).ok()?;
     let solution = problem.solve(work);
-    Some(problem.band(solution.solved()?, work)?.loss)
+    Some(problem.loss_interval(solution.solved()?, work)?.loss)
 }
 
 /// Returns the viscosity ratio for the lubricant film at the nut or at the screw, whichever is

@@ -11,7 +11,7 @@ use bsm_kin::{BallFrame, Contact, Helix, Motion, Over, Scalar, Site};
 use bsm_newton::EvalError;
 
 use super::ball_contacts::{ElasticMotion, LoadedContact, ScaledBall};
-use super::ball_unknowns::BALL;
+use super::ball_unknowns::BALL_UNKNOWNS;
 use super::operating_point::{OperatingPoint, ScaledPoint};
 use super::sensitivity::Performance;
 use super::state::{BallState, Transmission};
@@ -292,13 +292,13 @@ impl<P: Scalar> ElasticContacts<P> {
         loaded: &BallLoads<D>,
         motion: &Motion<D>,
         wrenches: &[Wrench<D>; 2],
-    ) -> [D; BALL] {
+    ) -> [D; BALL_UNKNOWNS] {
         let ball = Ball { radius: D::from(1.0), mass: D::from(self.scaled.mass) };
         let [nut, screw] = *wrenches;
         let radius = D::from(self.helix.radius);
         let residual = newton_euler(&(nut + screw), &ball, radius, motion, &loaded.frame);
         // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (P5)
-        ball_unknowns::rows(&residual, axial_force(&nut.force, &loaded.frame) - 1.0)
+        ball_unknowns::residual_rows(&residual, axial_force(&nut.force, &loaded.frame) - 1.0)
     }
 
     /// Returns the friction powers of the contact ellipses at the nut and the screw, divided by

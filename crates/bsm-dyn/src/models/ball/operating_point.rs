@@ -101,7 +101,7 @@ impl<F: Real> ResultUnits<F> {
     #[inline(always)]
     pub fn transmission(&self, ideal: F, torque: F, friction_power: F) -> Transmission<F> {
         Transmission::of(self.back(), ideal, torque * self.torque, self.speed)
-            .against(friction_power * self.torque * self.speed)
+            .with_power_balance(friction_power * self.torque * self.speed)
     }
 }
 

@@ -370,7 +370,7 @@ impl<F: Real> Transmission<F> {
     /// Adds the relative error of the power balance, calculated from a friction power \[W\].
     #[inline(always)]
     #[must_use]
-    pub fn against(self, friction_power: F) -> Self {
+    pub fn with_power_balance(self, friction_power: F) -> Self {
         let power_balance = self.power.as_ref().map(
             #[inline(always)]
             |power| power.imbalance(friction_power),

@@ -8,11 +8,11 @@ use std::array::from_fn;
 use bsm_kin::Jet;
 use bsm_newton::{EventRoot, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace};
 
-use super::forces::CURVE;
+use super::forces::CURVE_UNKNOWNS;
 use super::states::{SlidingBall, SlidingPoint};
 use super::steady::{CurveState, LOG_NO_INERTIA, STRAIGHTNESS_TOL};
 use crate::cost::{count_of, searched};
-use crate::models::ball::{BALL, ElasticContacts, Evidence, Reason, SolveFailure};
+use crate::models::ball::{BALL_UNKNOWNS, ElasticContacts, Evidence, Reason, SolveFailure};
 
 /// Step control along the equilibrium curve. Step lengths are in units of the scales of the
 /// unknowns. Following a curve usually takes about thirty steps. Roots are refined afterwards by
@@ -51,12 +51,12 @@ type CurveRoot = (SlidingPoint<f64>, f64);
 pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
-) -> Result<([f64; BALL], usize), SolveFailure> {
+) -> Result<([f64; BALL_UNKNOWNS], usize), SolveFailure> {
     // First, Newton's method is started from the beginning of the equilibrium curve.
     let ball = SlidingBall::from(contacts);
     let direct = ball.direct_root(contacts.contact_angle.tan().recip(), true, any);
     let mut steps = count_of(direct.steps);
-    if direct.found || (any && direct.steady) {
+    if direct.is_first_root || (any && direct.steady) {
         return Ok((ball.unknowns(&direct.at, direct.rate.signum()), steps));
     }
 
@@ -88,7 +88,7 @@ impl<'a> SlidingCurve<'a> {
     }
 
     /// Returns the state of the ball (forces and motion) at a point of the equilibrium curve.
-    fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint<f64>> {
+    fn state_at(&self, z: &[f64; CURVE_UNKNOWNS]) -> Option<SlidingPoint<f64>> {
         let (state, _) = self.ball.state_at(z)?;
         Some(SlidingPoint { state, motion: self.ball.motion(&state) })
     }
@@ -107,7 +107,7 @@ impl<'a> SlidingCurve<'a> {
     fn of(contacts: &ElasticContacts, steps: &'a mut usize) -> Result<Self, SolveFailure> {
         let ball = SlidingBall::from(contacts);
         let friction_term = ball.friction / ball.cot;
-        if !ball.carries() {
+        if !ball.can_carry_load() {
             let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
             return Err(SolveFailure::no_solution(Evidence::Proof, locks));
         }
@@ -116,7 +116,7 @@ impl<'a> SlidingCurve<'a> {
         let start = ball.state_without_inertia(beginning, true);
         let mut curve = Self { ball, start, steps };
         curve.count(start.steps);
-        if !start.found {
+        if !start.converged {
             return Err(SolveFailure::SEARCH_FAILED);
         }
         if curve.rise() < 0.0 {
@@ -203,8 +203,8 @@ impl<'a> SlidingCurve<'a> {
 
     /// Returns the residuals of (S26) for `$P/W > 0$` and for `$P/W < 0$`, each with its derivative
     /// along the equilibrium curve.
-    fn events(&self, z: &[f64; CURVE], way: &[f64; CURVE]) -> [(f64, f64); 2] {
-        let along: [Jet<1>; CURVE] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
+    fn events(&self, z: &[f64; CURVE_UNKNOWNS], way: &[f64; CURVE_UNKNOWNS]) -> [(f64, f64); 2] {
+        let along: [Jet<1>; CURVE_UNKNOWNS] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
         self.ball.state_at(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
             let point = SlidingPoint { state, motion: self.ball.motion(&state) };
             let residual = self.ball.inertia_residuals(&point);
@@ -214,21 +214,21 @@ impl<'a> SlidingCurve<'a> {
 
     /// Returns the steady motion near a zero crossing of (S26), accurate to rounding errors.
     /// Returns `None` if Newton's method converges to a different motion.
-    fn refined(&self, at: &EventRoot<CURVE>) -> Option<SlidingPoint<f64>> {
+    fn refined(&self, at: &EventRoot<CURVE_UNKNOWNS>) -> Option<SlidingPoint<f64>> {
         let (ball, [log, nut, screw, c]) = (&self.ball, at.z);
         let scale = ball.scale([nut, screw], c);
-        let found = ball.iterate::<true>([log, screw, c], &scale, true);
-        let [next_log, next_screw, next_c] = found.point;
+        let refined = ball.iterate::<true>([log, screw, c], &scale, true);
+        let [next_log, next_screw, next_c] = refined.point;
         let moved = [
             next_log - log,
-            (found.at.state.slip_cotangents[0] - nut) / scale[0],
+            (refined.at.state.slip_cotangents[0] - nut) / scale[0],
             (next_screw - screw) / scale[1],
             (next_c - c) / scale[2],
         ];
-        let motion = found.at.motion;
+        let motion = refined.at.motion;
         let same = (motion.inertia * motion.drive > 0.0) == (sign(at) > 0.0);
         let near = moved.iter().all(|moved| moved.abs() < MAX_REFINEMENT);
-        (found.found && near && same).then_some(found.at)
+        (refined.converged && near && same).then_some(refined.at)
     }
 
     /// Returns a state on the straight part of the equilibrium curve that has less inertia than the
@@ -245,7 +245,7 @@ impl<'a> SlidingCurve<'a> {
             // straight curve, this factor changes by less than a factor of seven.
             let state = ball.iterate::<false>([log + rise, screw, c], &scale, true);
             self.count(state.steps);
-            if state.found && state.is_straight_from(&start, &scale, STRAIGHTNESS_TOL) {
+            if state.converged && state.is_straight_from(&start, &scale, STRAIGHTNESS_TOL) {
                 return state;
             }
             rise -= 3.0;
@@ -255,7 +255,7 @@ impl<'a> SlidingCurve<'a> {
 }
 
 /// Returns the sign of `$P/W$` at a zero crossing of (S26).
-fn sign(at: &EventRoot<CURVE>) -> f64 {
+fn sign(at: &EventRoot<CURVE_UNKNOWNS>) -> f64 {
     if at.event == 0 { 1.0 } else { -1.0 }
 }
 
@@ -283,7 +283,7 @@ mod tests {
             let mut steps = 0;
             let Ok(mut curve) = SlidingCurve::of(&contacts, &mut steps) else { continue };
             let direct = curve.ball.direct_root(contacts.contact_angle.tan().recip(), true, false);
-            if !direct.found {
+            if !direct.is_first_root {
                 continue;
             }
             let (direct, sign) = (direct.at, direct.rate.signum());

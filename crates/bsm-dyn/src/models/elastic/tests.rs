@@ -16,7 +16,7 @@ use crate::{Status, angles::Angles};
 
 /// Returns random starting values of the unknowns (S1) for which the nut contact carries the axial
 /// load.
-fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
+fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL_UNKNOWNS]> {
     let (sin, cos) = contacts.helix.lead_angle.sin_cos();
     let friction = contacts.directed_friction();
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
@@ -35,7 +35,7 @@ fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; 
     } else {
         (circling / mu).sqrt() * if rng.random_bool(0.5) { 1.0 } else { -1.0 }
     };
-    let mut y = [0.0; BALL];
+    let mut y = [0.0; BALL_UNKNOWNS];
     y[NUT_LOAD] = load;
     y[SCREW_LOAD] = load * (1.0 + spread * rng.random_range(-1.0..0.2));
     y[TILT] = tilt;
@@ -53,10 +53,10 @@ fn root_from_random_starts(
     starts: usize,
     rng: &mut impl Rng,
     newton: &mut Workspace,
-) -> Option<[f64; BALL]> {
+) -> Option<[f64; BALL_UNKNOWNS]> {
     (0..starts).find_map(|_| {
         let mut y = random_start(contacts, rng)?;
-        let scales = Scales { x: &[1.0; BALL], f: &weights(contacts, &y) };
+        let scales = Scales { x: &[1.0; BALL_UNKNOWNS], f: &weights(contacts, &y) };
         let convergence =
             Convergence { residual_tol: 1e-11, max_steps: 60, ..Convergence::default() };
         let options = Options { convergence, ..Options::default() };
@@ -89,7 +89,7 @@ struct Tally {
     no_solution: usize,
     found: usize,
     seen: usize,
-    refuted: Vec<(ElasticPoint, Reason, [f64; BALL])>,
+    refuted: Vec<(ElasticPoint, Reason, [f64; BALL_UNKNOWNS])>,
 }
 
 /// Runs random searches at `points` points with a solution and at the same number of points without

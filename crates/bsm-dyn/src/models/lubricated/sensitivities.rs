@@ -4,7 +4,7 @@
 
 use bsm_kin::Jet;
 
-use super::solve::{LubricatedBall, LubricatedModel, lost};
+use super::solve::{LubricatedBall, LubricatedModel, contact_power_loss};
 use crate::contact::{Temperature, efficiency};
 use crate::models::ball::{EhlPoint, LubricatedState, Performance, SolveFailure};
 use crate::models::raceway_control::RacewayControl;
@@ -64,7 +64,7 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
                 let (contacts, loaded, to_nut) = case.rolling_ball(&mut work.raceway)?;
                 let rules = work.lubricated.both(friction.accuracy());
                 let (_, losses) = friction.losses(&ehl, &contacts, (&loaded, &to_nut), rules);
-                let torque = screw.rolling_torques(lost(&losses)).1;
+                let torque = screw.rolling_torques(contact_power_loss(&losses)).1;
                 (contacts, LubricatedState { loaded, to_nut, losses, torque })
             }
             LubricatedModel::Traction(case) => {

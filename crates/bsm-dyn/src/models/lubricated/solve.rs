@@ -63,7 +63,7 @@ impl RacewayFriction {
 }
 
 /// Returns the power loss of both contacts, in scaled units and divided by `$W$`.
-pub(super) fn lost<D: Scalar>(losses: &[EhlLoss<D>; 2]) -> D {
+pub(super) fn contact_power_loss<D: Scalar>(losses: &[EhlLoss<D>; 2]) -> D {
     let [nut, screw] = losses;
     nut.sliding + nut.rolling + screw.sliding + screw.rolling
 }
@@ -237,7 +237,7 @@ impl LubricatedBall {
                     contacts.with_friction(ehl.friction_scale(&contacts, &loaded, &to_nut, creep));
                 let rules = lubricated.both(friction.accuracy());
                 let (unit, losses) = friction.losses(&ehl, &contacts, (&loaded, &to_nut), rules);
-                let (_, torque) = screw.rolling_torques(lost(&losses));
+                let (_, torque) = screw.rolling_torques(contact_power_loss(&losses));
                 let steady = LubricatedState { loaded, to_nut, losses, torque };
                 let (skid, info, control) = rolling_ball.solve_info(&contacts);
                 SteadyRoot {
@@ -282,9 +282,11 @@ impl LubricatedBall {
         let tan = screw.point.helix.lead_angle.tan();
         let of = (contacts.direction.is_back(), tan, transmission.efficiency);
         let film = ehl.state(&films, (unit * speed, screw.point.load.balls), outside, of);
-        let lost = film.sliding_power + film.rolling_power + outside.of_balls();
+        let power_loss = film.sliding_power + film.rolling_power + outside.of_balls();
         let transmission = match self.model {
-            LubricatedModel::Traction(_) => transmission.against(lost).balanced()?,
+            LubricatedModel::Traction(_) => {
+                transmission.with_power_balance(power_loss).balanced()?
+            }
             LubricatedModel::RacewayControl(..) => transmission,
         };
         Ok(SteadyState {

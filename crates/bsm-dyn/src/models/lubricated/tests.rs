@@ -160,12 +160,12 @@ fn loss_uncertainty_of_a_rolling_ball_matches_a_second_set_of_random_draws() {
         let case =
             LubricatedBall { lubricant: vg_68(), model: rolling_ball(feed_drive(rpm, axial)) };
         let solution = case.solve(&mut work);
-        let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
-        println!("{rpm} {axial}: {band:?}");
+        let interval = case.loss_interval(solution.solved().unwrap(), &mut work).unwrap();
+        println!("{rpm} {axial}: {interval:?}");
         // Each set of 250 draws has a sampling error of a few percent, and the reference does not
         // state the distributions from which its inputs were drawn.
-        assert!((band.loss[0] - low).abs() < 0.07, "{band:?}");
-        assert!((band.loss[1] - high).abs() < 0.07, "{band:?}");
+        assert!((interval.loss[0] - low).abs() < 0.07, "{interval:?}");
+        assert!((interval.loss[1] - high).abs() < 0.07, "{interval:?}");
     }
 }
 
@@ -188,9 +188,9 @@ fn loss_uncertainty_of_a_skidding_ball_matches_independent_random_draws() {
         let model = traction(feed_drive(rpm, axial));
         let case = LubricatedBall { lubricant, model };
         let solution = case.solve(&mut work);
-        let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
-        println!("{rpm} {axial}: {band:?}");
-        assert_eq!(band.model, Model::Traction);
+        let interval = case.loss_interval(solution.solved().unwrap(), &mut work).unwrap();
+        println!("{rpm} {axial}: {interval:?}");
+        assert_eq!(interval.model, Model::Traction);
         // The tolerance is the standard error of the difference between two quantiles (5 % or 95 %)
         // from `draws` draws and from 250 draws, for normal distributions. The density at these
         // quantiles is 0.103 divided by the standard deviation, and the interval is 3.29 standard
@@ -199,8 +199,8 @@ fn loss_uncertainty_of_a_skidding_ball_matches_independent_random_draws() {
         // and 0.51 for raceway control.
         let variance = 0.05 * 0.95 * (f64::recip(draws) + f64::recip(250.0));
         let error = variance.sqrt() * (high - low) / (3.29 * 0.103);
-        assert!((band.loss[0] - low).abs() < error, "{error}: {band:?}");
-        assert!((band.loss[1] - high).abs() < error, "{error}: {band:?}");
+        assert!((interval.loss[0] - low).abs() < error, "{error}: {interval:?}");
+        assert!((interval.loss[1] - high).abs() < error, "{error}: {interval:?}");
     }
 }
 

@@ -4,7 +4,7 @@
 
 use bsm_kin::{Jet, Motion};
 
-use super::{Balance, RacewayControl, RacewayWorkspace, RollingBall, STATIC};
+use super::{Balance, RacewayControl, RacewayWorkspace, RollingBall, STATIC_UNKNOWNS};
 use crate::contact::efficiency;
 use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
@@ -38,7 +38,10 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     }
 
     /// Returns the operating point with the loads and the motion of the ball, all with derivatives.
-    fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<BallInMotion<Jet<M>>, SolveFailure> {
+    fn moving(
+        &self,
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
+    ) -> Result<BallInMotion<Jet<M>>, SolveFailure> {
         let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
         let RollingBall { control, unknowns, .. } = RollingBall::of(&point, self.control, newton)?;
         let system = Balance::new(&point, control);

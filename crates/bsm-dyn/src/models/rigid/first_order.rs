@@ -83,7 +83,7 @@ impl<F: Real> RigidBall<F> {
         // With |A| = |B| = 1, (R25), (R26) and (R27) reduce to (R15), (R13) and (R16); θ = ψ  (R19)
         let state = self.sweep(&start);
         // Q/F_a = 1/[cosα (sinβ − F D)], Eq (C4)                          (R17)
-        let load = self.held_load().recip();
+        let load = self.axial_load_ratio().recip();
         // P/W = p + Ω_n/W,  ε = μ (P/W)²                                  (R14)
         let (rate, inertia) = (state.rate, state.centrifugal);
         let inertia_scale = self.inertia_size(rate);
@@ -119,7 +119,7 @@ impl<F: Real> RigidBall<F> {
 impl<F: Real> FirstOrder<F> {
     /// Returns true if all contact loads in the first-order solution are positive (compressive).
     #[inline(always)]
-    pub(super) fn pushes(&self) -> F::Mask {
+    pub(super) fn has_compressive_loads(&self) -> F::Mask {
         let zero = self.load.constant(0.0);
         self.load.gt(zero) & self.unloaded.gt(zero)
     }
@@ -134,7 +134,7 @@ impl<F: Real> FirstOrder<F> {
     /// Returns true if a root exists according to the first-order solution: all contact loads are
     /// positive and the ball slides on the nut.
     #[inline(always)]
-    pub fn exists(&self) -> F::Mask {
-        self.pushes() & self.slip.gt(self.slip.constant(0.0))
+    pub fn root_exists(&self) -> F::Mask {
+        self.has_compressive_loads() & self.slip.gt(self.slip.constant(0.0))
     }
 }

@@ -14,7 +14,7 @@ use super::equations::RigidEquations;
 use super::first_order::FirstOrder;
 use super::sweeps::Sweeps;
 use crate::cost::count_of;
-use crate::models::ball::{BALL, Evidence, Reason, SolveFailure, Workspace};
+use crate::models::ball::{BALL_UNKNOWNS, Evidence, Reason, SolveFailure, Workspace};
 
 /// Maximum ratio of inertia force to friction force (dimensionless) at which the first-order
 /// solution may exclude a root.
@@ -83,7 +83,7 @@ pub(crate) fn find(
     // sweeps leave unchanged.
     if swept.converged || (swept.stationary && first.is_unique) {
         let reason = inadmissible(&swept);
-        return Err(unless_it_exists(
+        return Err(unless_first_order_contradicts(
             ball,
             &first,
             SolveFailure::no_solution(Evidence::Bound, reason),
@@ -92,7 +92,7 @@ pub(crate) fn find(
 
     // The second attempt follows the branch from the first-order solution to the actual inertia.
     let branch = ball.follow_branch(&first);
-    if let Some(found) = first_on(ball, &branch, work) {
+    if let Some(found) = first_root_on(ball, &branch, work) {
         return found;
     }
 
@@ -101,8 +101,8 @@ pub(crate) fn find(
         return Err(SolveFailure::SEARCH_FAILED);
     }
     let evidence = Evidence::Traced { resolution: MAX_BRANCH_STEP };
-    let reason = why_none(ball, &first, branch.nearest_inertia);
-    Err(unless_it_exists(ball, &first, SolveFailure::no_solution(evidence, reason)))
+    let reason = no_root_reason(ball, &first, branch.nearest_inertia);
+    Err(unless_first_order_contradicts(ball, &first, SolveFailure::no_solution(evidence, reason)))
 }
 
 /// Finds all roots on the branch at the actual inertia and returns the first root with the other
@@ -120,7 +120,7 @@ pub(super) fn find_all(
         return Ok(root);
     }
     let branch = ball.follow_branch(&ball.first_order());
-    let alternatives = match first_on(ball, &branch, work) {
+    let alternatives = match first_root_on(ball, &branch, work) {
         Some(Ok(first)) if first.is_near(&root) => first.alternatives,
         _ => None,
     };
@@ -129,7 +129,7 @@ pub(super) fn find_all(
 
 /// Returns the first root on a branch together with the other roots on this branch, or `None` if
 /// the branch has no root.
-fn first_on(
+fn first_root_on(
     ball: &RigidBall<f64>,
     branch: &BranchRoots,
     work: &mut RigidWorkspace,
@@ -196,7 +196,7 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
 /// Returns the given verdict that no root exists, unless the first-order solution indicates a root
 /// by a margin larger than its error. In that case, the function reports a failed search, because
 /// rounding errors of large loads near self-locking can affect the sweeps and the continuation.
-fn unless_it_exists(
+fn unless_first_order_contradicts(
     ball: &RigidBall<f64>,
     first: &FirstOrder,
     verdict: SolveFailure,
@@ -204,7 +204,7 @@ fn unless_it_exists(
     let loaded = first.inertia_scale / ball.friction() * first.load;
     let error = FIRST_ORDER_ERROR * loaded;
     let exists = loaded < SMALL_INERTIA
-        && first.exists()
+        && first.root_exists()
         && first.sliding_margin > margin_error(ball, first, error)
         && first.rate.abs() > 2.0 * error;
     if exists { SolveFailure::SEARCH_FAILED } else { verdict }
@@ -231,7 +231,7 @@ pub(super) fn refined(
         ..Convergence::default()
     };
     let options = Options { convergence, ..Options::default() };
-    let scales = Scales { x: &[1.0; BALL], f: &weights };
+    let scales = Scales { x: &[1.0; BALL_UNKNOWNS], f: &weights };
     let report = solve(&equations, &mut unknowns.data.0[0], &scales, &options, &mut work.0).report;
     if !report.converged() {
         return Err(SolveFailure::not_converged(Reason::from(report)));
@@ -259,7 +259,7 @@ fn inadmissible(swept: &Sweeps<f64>) -> Reason {
 }
 
 /// Returns the reason why a branch has no root at the actual inertia.
-fn why_none(ball: &RigidBall<f64>, first: &FirstOrder, nearest: Option<f64>) -> Reason {
+fn no_root_reason(ball: &RigidBall<f64>, first: &FirstOrder, nearest: Option<f64>) -> Reason {
     match nearest {
         Some(nearest) => Reason::NoRootAtInertia { inertia_ratio: ball.inertia_ratio, nearest },
         None if first.load <= 0.0 => self_locking(ball),
@@ -313,9 +313,10 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
     let slip = |lead_angle: f64| slip_at_nut(&at(lead_angle));
     let lead_angle = ball.sines.sin_a.atan2(ball.sines.cos_a);
     let above = successors(Some(lead_angle), |lead_angle| Some(lead_angle + STEP));
-    let slides = above
-        .take_while(|lead_angle| *lead_angle <= MAX_LEAD_ANGLE)
-        .find(|lead_angle| at(*lead_angle).first_order().exists() && slip(*lead_angle) > 0.0)?;
+    let slides =
+        above.take_while(|lead_angle| *lead_angle <= MAX_LEAD_ANGLE).find(|lead_angle| {
+            at(*lead_angle).first_order().root_exists() && slip(*lead_angle) > 0.0
+        })?;
     let ends = [lead_angle, slides];
     let bracket = Bracket { x_tol: 1e-9, ..Bracket::new(ends, ends.map(slip)) };
     bracket.root(slip).root().map(|root| root.x)
@@ -326,7 +327,7 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
 /// solution, and NaN if the sweeps do not become stationary.
 fn slip_at_nut(ball: &RigidBall<f64>) -> f64 {
     let first = ball.first_order();
-    if !first.pushes() {
+    if !first.has_compressive_loads() {
         return f64::NEG_INFINITY;
     }
     let swept = ball.sweeps(&first);

@@ -8,7 +8,7 @@ use super::equations::{MIN_INERTIA, RigidEquations};
 use super::{Rigid, RigidWorkspace, root};
 use crate::contact::efficiency;
 use crate::models::ball::{
-    BALL, Performance, SolveFailure, domain_error, inertia_limit, moving_root,
+    BALL_UNKNOWNS, Performance, SolveFailure, domain_error, inertia_limit, moving_root,
 };
 
 impl<const M: usize> Rigid<Jet<M>> {
@@ -24,8 +24,9 @@ impl<const M: usize> Rigid<Jet<M>> {
             let motion = root::find(&values, work)?.motion;
             let (equations, unknowns) = RigidEquations::at(&values, &motion);
             let weights = values.own_weights(&motion, 1.0);
-            let moved = RigidEquations { ball: inputs, from_ground: equations.from_ground };
-            let residual = |y: &[_; BALL]| Ok(moved.residual(&(*y).into())?.into());
+            let moved =
+                RigidEquations { ball: inputs, uses_absolute_rate: equations.uses_absolute_rate };
+            let residual = |y: &[_; BALL_UNKNOWNS]| Ok(moved.residual(&(*y).into())?.into());
             let unknowns =
                 moving_root(&equations, &unknowns.into(), &weights, residual, &mut work.0)?;
             let motion = moved.motion(&unknowns.into()).map_err(domain_error)?;

@@ -98,7 +98,7 @@ fn roots_from_random_starts(
             // The weights of the equations are recalculated for every iterate.
             let Ok(motion) = case.motion(&y) else { break };
             let weights = ball.own_weights(&motion, 1.0);
-            let scales = Scales { x: &[1.0; BALL], f: &weights };
+            let scales = Scales { x: &[1.0; BALL_UNKNOWNS], f: &weights };
             let convergence = Convergence { max_steps: 30, ..Convergence::default() };
             let options = Options { convergence, ..Options::default() };
             let report = solve(&case, &mut y.data.0[0], &scales, &options, newton).report;

@@ -7,7 +7,7 @@ use std::cell::OnceCell;
 use bsm_kin::{Helix, Jet};
 use bsm_newton::{Continuation, follow};
 
-use super::equations::{COARSE, COARSE_RESIDUAL, Lubrication, SEARCH, SlipBall};
+use super::equations::{COARSE_ACCURACY, COARSE_RESIDUAL, Lubrication, SEARCH_ACCURACY, SlipBall};
 use super::root::{RootWithPower, SlipRoot};
 use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
@@ -21,7 +21,7 @@ use crate::models::workspace::ModelWorkspace;
 
 /// Scaled residual up to which a lubricated root is refined. At this residual, the power imbalance
 /// is at most a tenth of its tolerance.
-pub(super) const ENOUGH: f64 = 1e-11;
+pub(super) const LUBRICATED_RESIDUAL_GOAL: f64 = 1e-11;
 
 /// Limits for each step of the continuation in which the lubricant friction is increased: maximum
 /// number of Newton steps, and maximum number of halvings of a Newton step.
@@ -113,9 +113,9 @@ impl Traction {
         let contacts = contacts.with_friction(scale);
         let TractionWorkspace { newton, rules, .. } = work;
         let [coarse, search] = rules
-            .dry([COARSE, SEARCH])
+            .dry([COARSE_ACCURACY, SEARCH_ACCURACY])
             .map(|[rule, _]| SlipBall::of_contacts(&contacts, rule, creep));
-        let rules = oil.oil.of_oil([COARSE, SEARCH, self.accuracy]);
+        let rules = oil.oil.of_oil([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]);
         let [rough, smooth, fine] =
             rules.map(|[rule, _]| SlipBall::of_contacts(&contacts, rule, creep).lubricated(ehl));
         let [.., [_, check]] = rules;
@@ -137,7 +137,7 @@ impl Traction {
             smooth.search_lubricated(&near, newton, &mut steps)?
         };
         let frozen_rules = Default::default();
-        let fine = SlipBall { residual_goal: ENOUGH, ..fine };
+        let fine = SlipBall { residual_goal: LUBRICATED_RESIDUAL_GOAL, ..fine };
         let refined = fine
             .refined(&root, &frozen_rules, newton, &mut steps)
             .or_else(|| fine.complete(1.0).refined(&root, &frozen_rules, newton, &mut steps))

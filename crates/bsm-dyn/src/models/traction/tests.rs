@@ -15,7 +15,7 @@ use super::*;
 use crate::contact::{Wrench, torque};
 use crate::extreme::{random_extreme_screw, random_practical_screw};
 use crate::models::ball::unknown::{PRECESSION, TILT};
-use crate::models::ball::{BALL, to_both, variables};
+use crate::models::ball::{BALL_UNKNOWNS, to_both, variables};
 use crate::{Coulomb, Status, hertz::Quadrature};
 
 /// Returns the random extreme operating point with a given number in the sequence of a given seed.
@@ -30,7 +30,7 @@ fn solved(screw: ElasticPoint, work: &mut TractionWorkspace) -> Solution {
 }
 
 /// Returns random unknowns of a ball that approximately rolls or orbits very slowly.
-fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
+fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL_UNKNOWNS] {
     let contacts = ball.contacts;
     let (unloaded, mu) = (contacts.contact_angle, contacts.inertia_ratio());
     let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
@@ -49,7 +49,7 @@ fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     } else {
         (slow * part(-8.0, 1.0).exp()).min(1.0) * part(-1.0, 1.0).signum()
     };
-    let mut y = [0.0; BALL];
+    let mut y = [0.0; BALL_UNKNOWNS];
     y[NUT_LOAD] = part(-1.0, 1.0).exp() / (nut.sin().max(1e-6) * cos);
     y[SCREW_LOAD] = part(-1.0, 1.0).exp() / (screw.sin().max(1e-6) * cos);
     y[TILT] = 0.5 * (screw - nut);
@@ -103,7 +103,7 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
         let Ok(contacts) = screw.scaled() else { continue };
         let solution = solved(screw, &mut work);
         let creep = Traction::CREEP * contacts.slip_scale();
-        let [[quadrature, _]] = work.rules.dry([SEARCH]);
+        let [[quadrature, _]] = work.rules.dry([SEARCH_ACCURACY]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep);
         let steps = solution.solved().and_then(|solved| Some(solved.info?.steps));
         let count = match solution.status() {
@@ -176,10 +176,10 @@ fn equations_have_the_same_roots_in_both_sets_of_unknowns() {
         let [[quadrature, _]] = work.rules.dry([Traction::ACCURACY]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep);
         let loaded = ball.loaded(&root.unknowns).unwrap();
-        let charted = SlipBall { uses_nut_angle: true, ..ball };
-        let mut y = charted.unknowns(&loaded, &ball.motion_to_nut(&root.unknowns, &loaded));
-        assert!(charted.run(&mut y, &mut newton).converged(), "{number}");
-        let angles = charted.angles(&y);
+        let converted = SlipBall { uses_nut_angle: true, ..ball };
+        let mut y = converted.unknowns(&loaded, &ball.motion_to_nut(&root.unknowns, &loaded));
+        assert!(converted.run(&mut y, &mut newton).converged(), "{number}");
+        let angles = converted.angles(&y);
         // Residuals of at most 1e-10 times the forces determine contact angles of 1° to a relative
         // accuracy of 1e-8.
         assert_relative_eq!(angles[0], solved.ball.nut.angle, max_relative = 1e-8);
@@ -264,7 +264,7 @@ fn first_motion_on_the_branch_is_the_reported_motion() {
 #[test]
 fn equations_agree_with_force_and_moment_vectors() {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(5));
-    let [[quadrature, _]] = work.rules.dry([COARSE]);
+    let [[quadrature, _]] = work.rules.dry([COARSE_ACCURACY]);
     let mut seen = [0; 2];
     for number in 0..400 {
         let screw = if number % 4 == 0 {
@@ -286,7 +286,7 @@ fn equations_agree_with_force_and_moment_vectors() {
             assert!(ball.residual(&y).is_err(), "{number}");
             continue;
         };
-        let found: Evaluation<Jet<BALL>> = ball.evaluated(&variables(&y)).unwrap();
+        let found: Evaluation<Jet<BALL_UNKNOWNS>> = ball.evaluated(&variables(&y)).unwrap();
         let to_nut = ball.motion_to_nut(&y, &loaded);
         let law = Coulomb(contacts.directed_friction());
         let (mut wrench, mut power) = ([Wrench::zero(); 2], 0.0);
@@ -315,7 +315,7 @@ fn equations_agree_with_force_and_moment_vectors() {
         // divided by the creep speed.
         let slip = 1.0 + (rate.abs() * contacts.scaled.arc).max(turning);
         let rounding = 1e-14 * size * (1.0 + contacts.friction * slip / creep);
-        for i in 0..BALL {
+        for i in 0..BALL_UNKNOWNS {
             let off = (found.residual[i].re - expected[i]).abs();
             assert!(off <= rounding, "{number} {i} {off:e} {rounding:e} {found:?} {expected:?}");
         }
@@ -347,7 +347,7 @@ fn jacobian_matches_finite_differences_of_the_residual() {
             y[PRECESSION] = rng.random_range(-1.0..1.0);
         }
         let Ok(found) = ball.evaluated(&variables(&y)) else { continue };
-        for k in 0..BALL {
+        for k in 0..BALL_UNKNOWNS {
             let width = 1e-5 * (0.01 + y[k].abs());
             let at = |side: f64| {
                 let mut y = y;
@@ -357,7 +357,7 @@ fn jacobian_matches_finite_differences_of_the_residual() {
             };
             let ((up, torque_up), (down, torque_down)) = (at(1.0), at(-1.0));
             let mut rows: Vec<_> =
-                (0..BALL).map(|i| (found.residual[i], up[i] - down[i])).collect();
+                (0..BALL_UNKNOWNS).map(|i| (found.residual[i], up[i] - down[i])).collect();
             rows.push((found.torque, torque_up - torque_down));
             for (row, difference) in rows {
                 let largest = row.eps.iter().fold(1.0_f64, |m, x| m.max(x.abs()));

@@ -58,7 +58,11 @@ impl LubricatedBall {
     /// point. If the ball rolls, the power losses of the draws are calculated with the
     /// raceway-control model and one friction coefficient per contact; otherwise, they are
     /// calculated with the traction model.
-    pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
+    pub fn loss_interval(
+        &self,
+        solved: &SteadyState,
+        work: &mut ModelWorkspace,
+    ) -> Option<LossInterval> {
         let film = solved.film?;
         let rolls = solved.skid.and_then(|skid| skid.regime()) == Some(SlipRegime::Rolling);
         let model = if rolls { Model::RacewayControl } else { Model::Traction };
