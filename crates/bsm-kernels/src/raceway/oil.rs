@@ -148,13 +148,13 @@ fn loss<S: Simd>(
     (sliding, slip): (Lane<S>, Lane<S>),
     ball: Lane<S>,
 ) -> FilmLoss<Lane<S>> {
-    let resistance = film.resist(*around, RacewayControl::CREEP);
+    let resistance = film.rolling_resistance(*around, RacewayControl::CREEP);
     FilmLoss {
         sliding: sliding * *load,
         unit: slip * *load,
-        rolling: ScaledFilm::resisted(resistance, *speed, *around),
+        rolling: ScaledFilm::rolling_resistance_power(resistance, *speed, *around),
         semi_axes: (*a * ball, *b * ball),
-        inlet: [slip.constant(f64::NAN); 2],
+        ratio_and_load_parameter: [slip.constant(f64::NAN); 2],
         film,
     }
 }

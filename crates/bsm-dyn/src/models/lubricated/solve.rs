@@ -81,11 +81,11 @@ impl RacewayFriction {
         let [oil, dry] = rules.map(Placement::from);
         let (motions, creep) = (to_both(to_nut, &loaded.frame), RacewayControl::CREEP);
         let unit = contacts.unit_powers(loaded, to_nut, creep, [dry; 2]);
-        let of = (contacts, loaded);
+        let ball = (contacts, loaded);
         let losses = match self {
-            Self::Local => ehl.losses(of, &motions, creep, [oil; 2]),
+            Self::Local => ehl.losses(ball, &motions, creep, [oil; 2]),
             Self::PerContact => {
-                std::array::from_fn(|i| ehl.mean_loss(i, of, &motions[i], creep, unit[i]))
+                std::array::from_fn(|i| ehl.mean_loss(i, ball, &motions[i], creep, unit[i]))
             }
         };
         (unit, losses)
@@ -276,12 +276,15 @@ impl LubricatedBall {
                 unit: found.unit[i],
                 rolling: *rolling,
                 semi_axes: contacts.hertz[i].semi_axes(load * ehl.units.load),
-                inlet: [ehl.least_part(i, load, film), ehl.elasticity(i, load, film)],
+                ratio_and_load_parameter: [
+                    ehl.min_to_central_ratio(i, load, film),
+                    ehl.load_parameter(i, load, film),
+                ],
             }
         });
         let tan = screw.point.helix.lead_angle.tan();
-        let of = (contacts.direction.is_back(), tan, transmission.efficiency);
-        let film = ehl.state(&films, (unit * speed, screw.point.load.balls), outside, of);
+        let efficiency = (contacts.direction.is_back(), tan, transmission.efficiency);
+        let film = ehl.state(&films, (unit * speed, screw.point.load.balls), outside, efficiency);
         let power_loss = film.sliding_power + film.rolling_power + outside.of_balls();
         let transmission = match self.model {
             LubricatedModel::Traction(_) => {

@@ -542,13 +542,18 @@ impl<P: Scalar> Lubrication<'_, P> {
         let loss = |i: usize| {
             let ([speed, _, _, around], (unit, power)) = (geometry.patches[i].motion, sums[i]);
             let load = contacts.signed(loads[i]);
-            let [push, couple] = films[i].resist(around, creep);
+            let [force, couple] = films[i].rolling_resistance(around, creep);
             let mut wrench = unit.times(load);
             // ∫ dF + F_h,  ∫ r × dF + r × F_h + C_h                       (Y32)
-            wrench.force[0] += contacts.signed(push);
-            wrench.moment[2] += contacts.signed(push + couple);
-            let resisted = ScaledFilm::resisted([push, couple], speed, around);
-            ContactLoss { wrench, sliding: load * power, rolling: contacts.signed(resisted) }
+            wrench.force[0] += contacts.signed(force);
+            wrench.moment[2] += contacts.signed(force + couple);
+            let resistance_power =
+                ScaledFilm::rolling_resistance_power([force, couple], speed, around);
+            ContactLoss {
+                wrench,
+                sliding: load * power,
+                rolling: contacts.signed(resistance_power),
+            }
         };
         [loss(0), loss(1)]
     }
