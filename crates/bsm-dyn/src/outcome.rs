@@ -200,7 +200,7 @@ pub enum Reason {
     },
     /// The ball does not orbit around the axis (`$P = 0$`), so no gyroscopic moment balances the
     /// friction couple.
-    BallDoesNotCircle,
+    BallDoesNotOrbit,
     /// The inertia ratio `$m r_m W^2/F_a$` is too small or too large to balance the forces in
     /// double precision. This reason is always given below 1e-100 and above 1e28.
     InertiaOutOfRange {
@@ -303,7 +303,7 @@ impl fmt::Display for Reason {
                 "the curvatures {longitudinal:e} and {transverse:e} 1/m do not give a contact ellipse with its long axis \
                  across the groove"
             ),
-            Self::BallDoesNotCircle => {
+            Self::BallDoesNotOrbit => {
                 write!(f, "the ball does not orbit: its precession rate is zero")
             }
             Self::InertiaOutOfRange { inertia_ratio } => write!(

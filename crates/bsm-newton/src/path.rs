@@ -34,7 +34,7 @@ pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
 }
 
 /// A curve, defined by a system of `N` equations in `M = N + 1` unknowns.
-pub trait Homotopy<const N: usize, const M: usize> {
+pub trait CurveEquations<const N: usize, const M: usize> {
     /// Returns the residual at `z`.
     ///
     /// # Errors
@@ -193,7 +193,7 @@ const MAX_EASY_STEPS: usize = 4;
 ///
 /// Source: Allgower and Georg, *Introduction to Numerical Continuation Methods*, ch. 2 and 6. The
 /// guard (N14) is our own.
-pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
+pub fn trace<const N: usize, const M: usize, const K: usize, F: CurveEquations<N, M>>(
     homotopy: &F,
     seed: &Seed<M>,
     events: impl FnMut(&[f64; M], &[f64; M]) -> [(f64, f64); K],
@@ -221,7 +221,9 @@ impl<const N: usize, const M: usize, F> OnPlane<'_, N, M, F> {
     }
 }
 
-impl<const N: usize, const M: usize, F: Homotopy<N, M>> Equations<M> for OnPlane<'_, N, M, F> {
+impl<const N: usize, const M: usize, F: CurveEquations<N, M>> Equations<M>
+    for OnPlane<'_, N, M, F>
+{
     type Details = ();
     type Slopes = ();
 
@@ -257,7 +259,7 @@ struct Tracer<'a, const N: usize, const M: usize, F, E, D> {
 
 impl<const N: usize, const M: usize, const K: usize, F, E, D> Tracer<'_, N, M, F, E, D>
 where
-    F: Homotopy<N, M>,
+    F: CurveEquations<N, M>,
     E: FnMut(&[f64; M], &[f64; M]) -> [(f64, f64); K],
     D: FnMut(&Trace<M>) -> bool,
 {
@@ -366,7 +368,9 @@ where
                     (next, moved) = (*begin, distance(&at.z, &begin.z, &at.sizes));
                 }
                 let hides = (0..K).any(|k| may_miss_pair([at.events[k], next.events[k]], moved));
-                if (!hides || moved <= self.control.pair_resolution) && self.cross(at, &next) {
+                if (!hides || moved <= self.control.pair_resolution)
+                    && self.store_crossings(at, &next)
+                {
                     self.trace.unresolved += usize::from(hides);
                     return Some((next, easy));
                 }
@@ -394,7 +398,7 @@ where
     }
 
     /// Stores the crossings between two points. Returns false if a crossing cannot be located.
-    fn cross(&mut self, at: &Node<M, K>, next: &Node<M, K>) -> bool {
+    fn store_crossings(&mut self, at: &Node<M, K>, next: &Node<M, K>) -> bool {
         let mut crossings = Vec::new();
         let way: [f64; M] = from_fn(|i| next.z[i] - at.z[i]);
         for event in 0..K {

@@ -803,7 +803,7 @@ impl Flow<'_> {
             Some(*rate)
         });
         let value_at = |rate| Ok::<_, Infallible>(surplus(rate).value);
-        let Ok(change) = Bracket::first_change((rate, here.value), places, value_at);
+        let Ok(change) = Bracket::first_sign_change((rate, here.value), places, value_at);
         let bracket =
             change.map(|change| Bracket { x_tol: RATE_TOLERANCE, f_tol: 1e-13, ..change });
         match bracket.and_then(|bracket| bracket.root(&mut *surplus).root()) {

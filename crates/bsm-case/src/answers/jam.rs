@@ -407,7 +407,7 @@ impl BallReturn {
             impact,
             apex: case.apex_half_angle_deg.map(|angle| apex_thrust(impact, angle * DEG, friction)),
             step,
-            highest: entry.highest() * ball.radius,
+            highest: entry.max_step_height() * ball.radius,
             entered: case
                 .step_height_mm
                 .and(case.return_angle_deg)

@@ -684,7 +684,7 @@ pub(crate) fn message(reason: &Reason) -> String {
              Jacobian is singular. Change the inputs slightly"
                 .to_owned()
         }
-        Reason::BallDoesNotCircle => {
+        Reason::BallDoesNotOrbit => {
             "the ball would not move around the axis (precession 0), and a ball \
              without precession has no gyroscopic moment to balance the friction moment"
                 .to_owned()

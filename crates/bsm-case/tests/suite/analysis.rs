@@ -433,7 +433,7 @@ fn jamming_analysis_of_a_lubricated_ball_uses_local_friction_coefficients() {
     }
     // The screw slides faster on a stopped ball than on a moving ball, so the friction coefficient
     // is larger, but it remains below the limit of the oil.
-    assert!(film.screw.friction < stopped && stopped < film.screw.law.most(), "{stopped}");
+    assert!(film.screw.friction < stopped && stopped < film.screw.law.max_friction(), "{stopped}");
     let pushes = number(&report, "stopped_track_friction_N") / stopped;
     let load = number(&report, "screw_load_with_permanent_set_N");
     assert!((pushes / (20.0 * load) - 1.0).abs() < 1e-12, "the balls of a turn");

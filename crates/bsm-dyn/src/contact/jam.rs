@@ -196,7 +196,7 @@ impl EntryStep {
 
     /// Returns the maximum step height, divided by the ball radius, over which a force can lift the
     /// ball (M22).
-    pub fn highest(&self) -> f64 {
+    pub fn max_step_height(&self) -> f64 {
         // h_max/r_b = 1 − sinφ                                            (M22)
         1.0 - self.rolling.atan().sin()
     }
@@ -382,7 +382,7 @@ mod tests {
         let step = |height, angle, rolling| EntryStep { height, angle, rolling };
         let flat = step(0.0, 0.4, 0.0).thrust_ratio().expect("flat");
         assert_relative_eq!(flat, 0.4_f64.cos(), max_relative = 1e-14);
-        let highest = step(0.0, 0.4, 0.02).highest();
+        let highest = step(0.0, 0.4, 0.02).max_step_height();
         assert!(step(highest * (1.0 - 1e-6), 0.4, 0.02).thrust_ratio().expect("below") > 1e4);
         assert_eq!(step(highest * (1.0 + 1e-6), 0.4, 0.02).thrust_ratio(), None);
         assert_eq!(step(1.5, 0.4, 0.0).thrust_ratio(), None);

@@ -49,7 +49,7 @@ pub fn power_of_many<S: Simd, const N: usize>(
 }
 
 /// Maximum number of contacts that are processed side by side.
-const MANY: usize = 4 * BLOCK;
+const MAX_CONTACTS: usize = 4 * BLOCK;
 
 /// Adds the friction power along the lines of one panel.
 ///
@@ -64,14 +64,14 @@ fn add_power<S: Simd, const N: usize>(
     square: Lane<S, N>,
     mut power: Lane<S, N>,
 ) -> Lane<S, N> {
-    let (mut inner, mut most) = ([&[][..]; MANY], 0);
+    let (mut inner, mut most) = ([&[][..]; MAX_CONTACTS], 0);
     for (inner, square) in inner.iter_mut().zip(square.as_slice()) {
         *inner = rule.count(*square).map_or(&[][..], |count| &rule.inner[count]);
         most = most.max(inner.len());
     }
     for k in 0..most {
         // Each contact has its own nodes along the lines. Unused nodes have zero weights.
-        let (mut abscissae, mut parts) = ([0.0; MANY], [0.0; MANY]);
+        let (mut abscissae, mut parts) = ([0.0; MAX_CONTACTS], [0.0; MAX_CONTACTS]);
         for (i, inner) in inner[..Lane::<S, N>::LEN].iter().enumerate() {
             if let Some((abscissa, part)) = inner.get(k) {
                 (abscissae[i], parts[i]) = (*abscissa, *part);
@@ -105,9 +105,10 @@ pub fn lubricated_powers<S: Simd, const N: usize>(
     wanted: Mask<S, N>,
     rules: [&Quadrature; 2],
 ) -> [[Lane<S, N>; 2]; 2] {
-    let ([oil, dry], mut is_wanted) = (rules.map(|rule| [Placement::from(rule); 2]), [false; MANY]);
+    let ([oil, dry], mut is_wanted) =
+        (rules.map(|rule| [Placement::from(rule); 2]), [false; MAX_CONTACTS]);
     wanted.store(&mut is_wanted);
-    let mut powers = [[[f64::NAN; MANY]; 2]; 2];
+    let mut powers = [[[f64::NAN; MAX_CONTACTS]; 2]; 2];
     for row in (0..Lane::<S, N>::LEN).filter(|row| is_wanted[*row]) {
         let points = patches.each_ref().map(|patch| patch.at(row));
         let laws = laws.map(|law| OilLaw::of(&law.map(|lane| lane.as_slice()[row])));

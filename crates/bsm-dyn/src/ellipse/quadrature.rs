@@ -76,12 +76,12 @@ pub(crate) struct Rules(Vec<(f64, [Quadrature; 2])>);
 impl Rules {
     /// Returns the quadrature rules for a constant friction coefficient.
     pub(crate) fn dry<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
-        self.get(accuracies, |accuracy| [Quadrature::of(accuracy), Quadrature::check(accuracy)])
+        self.get(accuracies, |accuracy| [Quadrature::of(accuracy), Quadrature::coarser(accuracy)])
     }
 
     /// Returns the quadrature rules for an oil.
     pub(crate) fn of_oil<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
-        let make = |accuracy| [Quadrature::of_oil(accuracy), Quadrature::check_of_oil(accuracy)];
+        let make = |accuracy| [Quadrature::of_oil(accuracy), Quadrature::coarser_of_oil(accuracy)];
         self.get(accuracies, make)
     }
 
@@ -209,7 +209,7 @@ impl Quadrature {
 
     /// Returns the coarser rule for estimating the error of [`Self::of_oil`]. It has fewer nodes in
     /// both directions.
-    pub(crate) fn check_of_oil(accuracy: f64) -> Self {
+    pub(crate) fn coarser_of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
         Self::lubricated(nodes, (3 * nodes / 4).saturating_sub(2), 10.0 * accuracy)
     }
@@ -255,7 +255,7 @@ impl Quadrature {
     /// Returns the coarser rule for the error estimate. It has fewer nodes per panel, but one more
     /// node along each line. With equal numbers of nodes along the lines, both rules would have
     /// equal errors along the lines, and the estimate would not detect these errors.
-    pub(crate) fn check(accuracy: f64) -> Self {
+    pub(crate) fn coarser(accuracy: f64) -> Self {
         Self::with(part_of_panel(Self::nodes(accuracy)), accuracy, 1)
     }
 

@@ -17,7 +17,7 @@ use self::curve::root;
 pub use self::states::{SlidingBall, SlidingMotion, SlidingState};
 pub use self::steady::SlidingRoot;
 use self::steady::rotation;
-use crate::contact::{Coulomb, DOES_NOT_CIRCLE, Wrench, friction_against, friction_force, torque};
+use crate::contact::{Coulomb, DOES_NOT_ORBIT, Wrench, friction_against, friction_force, torque};
 use crate::cost;
 use crate::models::ball::equation::MOMENT;
 use crate::models::ball::unknown::{
@@ -77,7 +77,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         // P = Ω_n + p W                                                   (S2)
         let precession = y[PRECESSION] + contacts.scaled.nut_speed;
         if precession.re() == 0.0 {
-            return Err(DOES_NOT_CIRCLE);
+            return Err(DOES_NOT_ORBIT);
         }
         // V_A = W r_b λ (cosθ e_xA + sinθ t)                              (S4)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();

@@ -99,7 +99,7 @@ impl<S: Simd> OilLane<S> {
     /// everywhere in the contact. The result is the larger of the values for nut and screw.
     #[inline(always)]
     pub(super) fn friction_scale(&self) -> Lane<S> {
-        self.losses[0].film.law.most().max(self.losses[1].film.law.most())
+        self.losses[0].film.law.max_friction().max(self.losses[1].film.law.max_friction())
     }
 
     /// Returns the sum of all losses in both contacts.

@@ -9,7 +9,7 @@ use std::fmt;
 
 use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_newton::{
-    Convergence, Dense, Equations, EvalError, Homotopy, JacobianUpdate, Linearized, Options,
+    Convergence, CurveEquations, Dense, Equations, EvalError, JacobianUpdate, Linearized, Options,
     Outcome, Scales, Seed, StepControl, Trace, Workspace, solve, trace,
 };
 
@@ -503,7 +503,7 @@ impl Equations<NODES> for BalanceAtSpeed<'_> {
     }
 }
 
-impl Homotopy<NODES, { NODES + 1 }> for HeatBalance<'_> {
+impl CurveEquations<NODES, { NODES + 1 }> for HeatBalance<'_> {
     fn residual(&self, z: &[f64; NODES + 1]) -> Result<[f64; NODES], EvalError> {
         let (residual, _) = self.heat_residual(&from_fn(|i| z[i]), z[NODES])?;
         Ok(residual)

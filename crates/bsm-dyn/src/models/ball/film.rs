@@ -627,7 +627,8 @@ impl EhlPoint {
     ) -> f64 {
         let motions = to_both(to_nut, &loaded.frame);
         let ball = (contacts, loaded);
-        let [nut, screw] = [0, 1].map(|i| self.film_at(i, ball, &motions[i], creep).0.law.most());
+        let [nut, screw] =
+            [0, 1].map(|i| self.film_at(i, ball, &motions[i], creep).0.law.max_friction());
         nut.max(screw)
     }
 }

@@ -4,7 +4,7 @@
 //! Theory: `docs/theory/08-elastic.md`, equations (S13), (S14), (S19), (S20), (S26) to (S28).
 
 use bsm_kin::{Jet, Over, Real, Scalar};
-use bsm_newton::{Bracket, EvalError, FunctionValue, Homotopy};
+use bsm_newton::{Bracket, CurveEquations, EvalError, FunctionValue};
 
 use super::states::{SlidingBall, SlidingPoint, SlidingState};
 use super::steady::rounding_floor;
@@ -35,7 +35,7 @@ const NO_FORCES: EvalError = EvalError {
     requirement: "must be positive",
 };
 
-impl Homotopy<CURVE_EQUATIONS, CURVE_UNKNOWNS> for SlidingBall<f64> {
+impl CurveEquations<CURVE_EQUATIONS, CURVE_UNKNOWNS> for SlidingBall<f64> {
     fn residual(&self, z: &[f64; CURVE_UNKNOWNS]) -> Result<[f64; CURVE_EQUATIONS], EvalError> {
         self.state_at(z).map(|(_, residual)| residual).ok_or(NO_FORCES)
     }

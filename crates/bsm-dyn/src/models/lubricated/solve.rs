@@ -194,7 +194,8 @@ impl LubricatedBall {
             successors(Some(ambient + TEMPERATURE_STEP), |kelvin| Some(kelvin + TEMPERATURE_STEP))
                 .take_while(|kelvin| *kelvin <= MAX_TEMPERATURE);
         let begin = (ambient, surplus_cooling(ambient)?.0);
-        let change = Bracket::first_change(begin, places, |kelvin| Ok(surplus_cooling(kelvin)?.0))?;
+        let change =
+            Bracket::first_sign_change(begin, places, |kelvin| Ok(surplus_cooling(kelvin)?.0))?;
         let Some(bracket) = change else {
             let evidence = Evidence::Traced { resolution: TEMPERATURE_STEP };
             let reason = Reason::LubricantRunsAway { hottest: MAX_TEMPERATURE };

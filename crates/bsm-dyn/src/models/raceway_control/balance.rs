@@ -249,7 +249,7 @@ impl Balance<'_> {
         let most = f64::MAX.sqrt();
         let places = successors(Some(1.0), |cot| Some(4.0 * cot).filter(|cot| *cot < most));
         let value = |cot| Ok::<_, Infallible>(difference(cot));
-        let Ok(change) = Bracket::first_change((0.0, difference(0.0)), places, value);
+        let Ok(change) = Bracket::first_sign_change((0.0, difference(0.0)), places, value);
         let root = change.and_then(|bracket| bracket.root(difference).root());
         root.map_or(most, |root| root.ends[0])
     }

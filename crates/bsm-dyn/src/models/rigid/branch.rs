@@ -6,7 +6,9 @@
 use std::array::from_fn;
 
 use bsm_kin::{Jet, Over};
-use bsm_newton::{EvalError, Homotopy, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace};
+use bsm_newton::{
+    CurveEquations, EvalError, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace,
+};
 
 use super::ball::{RigidBall, RigidMotion};
 use super::equations::{MIN_INERTIA, RigidEquations, Unknowns};
@@ -110,7 +112,7 @@ pub(super) struct BranchRoots {
     pub(super) is_complete: bool,
 }
 
-impl Homotopy<BALL_UNKNOWNS, BRANCH_UNKNOWNS> for Branch<'_> {
+impl CurveEquations<BALL_UNKNOWNS, BRANCH_UNKNOWNS> for Branch<'_> {
     fn residual(&self, z: &[f64; BRANCH_UNKNOWNS]) -> Result<[f64; BALL_UNKNOWNS], EvalError> {
         self.residual_at(z)
     }

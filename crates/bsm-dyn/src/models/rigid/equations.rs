@@ -8,7 +8,7 @@ use nalgebra::SVector;
 
 use super::ball::{RigidBall, RigidMotion};
 use super::first_order::FirstOrder;
-use crate::contact::{DOES_NOT_CIRCLE, Sines, sliding};
+use crate::contact::{DOES_NOT_ORBIT, Sines, sliding};
 use crate::cost;
 use crate::models::ball::equation::MOMENT;
 use crate::models::ball::unknown::{
@@ -51,7 +51,7 @@ impl<P: Scalar> RigidEquations<P> {
     pub(super) fn motion<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<RigidMotion<D>, EvalError> {
         let rates = self.rates(y[PRECESSION]);
         if rates[1].re() == 0.0 {
-            return Err(DOES_NOT_CIRCLE);
+            return Err(DOES_NOT_ORBIT);
         }
         // V_A = W r_b λ (cosθ e_x + sinθ t); the friction direction does not depend on λ  (R7)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();

@@ -170,7 +170,7 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     }
     let error = FIRST_ORDER_ERROR * inertia;
     let reason = if first.rate == 0.0 {
-        Reason::BallDoesNotCircle
+        Reason::BallDoesNotOrbit
     } else if first.load <= 0.0 {
         // The difference between these two terms is the denominator of the load formula (R17).
         let (sin_contact_angle, friction_term) = locking_terms(ball);

@@ -7,7 +7,7 @@ use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_newton::{
-    Continuation, EvalError, EventRoot, Homotopy, JacobianUpdate, PathEnd, Seed, StepControl,
+    Continuation, CurveEquations, EvalError, EventRoot, JacobianUpdate, PathEnd, Seed, StepControl,
     Trace, follow, trace,
 };
 
@@ -114,7 +114,7 @@ impl PathEquations<'_> {
     }
 }
 
-impl Homotopy<BALL_UNKNOWNS, PATH_UNKNOWNS> for PathEquations<'_> {
+impl CurveEquations<BALL_UNKNOWNS, PATH_UNKNOWNS> for PathEquations<'_> {
     fn residual(&self, z: &[f64; PATH_UNKNOWNS]) -> Result<[f64; BALL_UNKNOWNS], EvalError> {
         self.residual_of(z)
     }
