@@ -1,7 +1,9 @@
 //! Results for the warm steady state of an axis: quantities, uncertainty band, notes and warnings.
 
 use bsm_nut::FrictionSum;
-use bsm_nut::thermal::{Guess, NoSteadyState, OnBranch, PhaseState, Steady, WarmNut, celsius};
+use bsm_nut::thermal::{
+    Estimate, NoSteadyState, OnBranch, PhaseState, SteadyState, WarmNut, celsius,
+};
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -128,13 +130,13 @@ impl WarmState {
 /// Returns the temperature of a network node at the fold \[°C\].
 fn at_fold(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
-    Some(celsius(fold.set, &fold.rises)[node])
+    Some(celsius(fold.assembly_temperature, &fold.rises)[node])
 }
 
 /// Returns the temperature of a network node in the unstable state at the given speeds \[°C\].
 fn unstable(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
-    Some(celsius(fold.set, &fold.unstable.as_ref()?.rises)[node])
+    Some(celsius(fold.assembly_temperature, &fold.unstable.as_ref()?.rises)[node])
 }
 
 /// Returns true if a result can be calculated only by following the branch of warm states to the
@@ -166,7 +168,7 @@ const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_
 /// If the reason is thermal runaway or an excessive temperature, the upper bounds are missing,
 /// except that the screw tension lacks its lower bound. For any other reason, both bounds are
 /// missing.
-fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
+fn open_ends(none: &[(Estimate, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     let heats = |why: &NoSteadyState| {
         matches!(why, NoSteadyState::RunsAway(_) | NoSteadyState::TooHot { .. })
     };
@@ -178,16 +180,21 @@ fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
 
 /// Returns the results for a warm state: first the results in [`OF_BAND`], and then the results in
 /// [`OF_PHASE`] for each phase with motion.
-fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
+fn of_band(nut: &WarmNut<'_>, steady: &SteadyState) -> Vec<f64> {
     let network = nut.network(1.0);
-    let (growth, tension) = (network.growth(&steady.rises), network.tension(&steady.rises));
+    let (growth, tension) =
+        (network.thermal_expansion(&steady.rises), network.tension(&steady.rises));
     let whole = [steady.heated.preload, steady.heat(), growth / UM, tension, steady.gain];
     let moving = steady.heated.phases.iter().flatten();
     let torques = moving.filter_map(|phase| {
         let FrictionSum { torque, returns, .. } = phase.friction?;
         Some([torque + returns, phase.drag])
     });
-    celsius(nut.set, &steady.rises).into_iter().chain(whole).chain(torques.flatten()).collect()
+    celsius(nut.assembly_temperature, &steady.rises)
+        .into_iter()
+        .chain(whole)
+        .chain(torques.flatten())
+        .collect()
 }
 
 impl Warm {

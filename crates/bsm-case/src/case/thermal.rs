@@ -3,7 +3,8 @@
 use bsm_design::EndFixity;
 use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_nut::thermal::{
-    AxialHold, BallLink, Coolant, ScrewBar, Sinks, Surfaces, ThermalAxis, coolant_conductance,
+    AxialHold, BallLink, Coolant, ScrewBar, Surfaces, Surroundings, ThermalAxis,
+    coolant_conductance,
 };
 
 use crate::case::axis::Machine;
@@ -101,7 +102,7 @@ pub(crate) fn thermal_axis(
             coolant: case.coolant_conductance_W_K.or(flow).unwrap_or(0.0),
             nut_coolant: case.number(InputKey::nut_coolant_conductance_W_K),
         },
-        off: None,
+        changed_estimate: None,
         screw: ScrewBar {
             diameter: machine.axis.screw.pitch_diameter,
             length: shaft.length,
@@ -112,7 +113,7 @@ pub(crate) fn thermal_axis(
             bearings: [true, shaft.support != EndFixity::FixedFree],
             hold,
         },
-        sinks: Sinks {
+        surroundings: Surroundings {
             air,
             structure: bed_over_set(case),
             coolant: coolant.map_or(air, |celsius| celsius + ZERO_CELSIUS - set_temperature(case)),

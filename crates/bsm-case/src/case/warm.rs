@@ -6,8 +6,8 @@ mod axis;
 use bsm_dyn::Model;
 use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_nut::thermal::{
-    Conductances, Fold, NODES, NoSteadyState, OnBranch, PhaseState, StateInterval, Steady, WarmNut,
-    celsius,
+    Conductances, Fold, NODES, NoSteadyState, OnBranch, PhaseState, StateInterval, SteadyState,
+    WarmNut, celsius,
 };
 use bsm_nut::{Equilibrium, Support};
 
@@ -55,7 +55,7 @@ impl Detail {
 /// Results for a warm steady state.
 #[derive(Debug)]
 pub(crate) struct WarmState {
-    pub(crate) steady: Steady,
+    pub(crate) steady: SteadyState,
     /// Temperatures of the network nodes \[°C\].
     pub(crate) celsius: [f64; NODES],
     /// Thermal expansion that the screw would have with free ends \[m\].
@@ -105,7 +105,7 @@ impl Warm {
         case: &Case,
         settings: &Settings,
         detail: Detail,
-        of_band: impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
+        of_band: impl Fn(&WarmNut<'_>, &SteadyState) -> Vec<f64>,
     ) -> Result<Option<Self>, CaseError> {
         if !case.asks_warm() {
             return Ok(None);
@@ -129,7 +129,7 @@ impl Warm {
         case: &Case,
         settings: &Settings,
         detail: Detail,
-        of_band: &impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
+        of_band: &impl Fn(&WarmNut<'_>, &SteadyState) -> Vec<f64>,
     ) -> Result<Self, CaseError> {
         let (settings, replaced) = (*settings, None);
         let machine = Machine::of(case)?;
@@ -163,8 +163,8 @@ impl Warm {
         let (network, lubricated) = (nut.network(1.0), case.given().is_lubricated());
         let missing = missing_torques(case, machine.nominal(case));
         let state = WarmState {
-            celsius: celsius(nut.set, &steady.rises),
-            growth: network.growth(&steady.rises),
+            celsius: celsius(nut.assembly_temperature, &steady.rises),
+            growth: network.thermal_expansion(&steady.rises),
             stiffness: unloaded.map(stiffness),
             cold_life: cold.life().map(|life| life.revolutions),
             phases: steady.heated.phases.iter().map(|phase| phase.as_ref().map(in_phase)).collect(),
@@ -190,7 +190,11 @@ impl Warm {
         let nut = axis.nut()?;
         let states = nut.branch(axis.search());
         let cold = axis.cold.preload.map(|preload| preload.cold);
-        Ok((nut.set, cold, states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?))
+        Ok((
+            nut.assembly_temperature,
+            cold,
+            states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?,
+        ))
     }
 
     /// Calculates the warm state without its uncertainty band, if the case requests a warm state.

@@ -118,7 +118,7 @@ pub struct WarmNut<'a> {
     /// Heat that flows from the motor into end 1 of the screw \[W\].
     pub motor: f64,
     /// Temperature at which the nut was assembled and its preload was set \[K\].
-    pub set: f64,
+    pub assembly_temperature: f64,
     /// Thermal model of the axis.
     pub axis: ThermalAxis,
 }
@@ -169,7 +169,7 @@ impl WarmNut<'_> {
     /// Returns the oil temperature for given temperature rises of the nodes \[K\] (I13).
     pub fn oil(&self, [nut, screw, balls, ..]: &[f64; NODES]) -> f64 {
         // T_o = T_b/2 + (T_n + T_s)/4                                     (I13)
-        self.set + 0.5 * balls + 0.25 * (nut + screw)
+        self.assembly_temperature + 0.5 * balls + 0.25 * (nut + screw)
     }
 
     /// Returns the nut after thermal expansion due to the given temperature rises, on a screw that

@@ -72,7 +72,7 @@ const ROOT_TOLERANCE: f64 = 1e-3;
 
 /// Warm steady state of a nut.
 #[derive(Debug, Clone)]
-pub struct Steady {
+pub struct SteadyState {
     /// Temperature rise of each node above the assembly temperature \[K\].
     pub rises: [f64; NODES],
     /// Heat, loads and friction of the nut in this state.
@@ -87,7 +87,7 @@ pub struct Steady {
     models: ModelsOfPhases,
 }
 
-impl Steady {
+impl SteadyState {
     /// Returns the heat that is generated at all nodes together \[W\].
     pub fn heat(&self) -> f64 {
         self.heated.heat.iter().sum()
@@ -109,18 +109,18 @@ pub struct Fold {
     /// Temperature rises of the nodes above the assembly temperature \[K\] at the fold.
     pub rises: [f64; NODES],
     /// Assembly temperature \[K\].
-    pub set: f64,
+    pub assembly_temperature: f64,
     /// Preload of the nut without external load \[N\] at the fold; `None` for a nut without
     /// preload.
     pub preload: Option<f64>,
     /// Unstable state at the given speeds, which exists if the fold is at higher speeds.
-    pub unstable: Option<Steady>,
+    pub unstable: Option<SteadyState>,
 }
 
 impl fmt::Display for Fold {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { factor, preload, .. } = self;
-        let [nut, screw, balls, ..] = celsius(self.set, &self.rises);
+        let [nut, screw, balls, ..] = celsius(self.assembly_temperature, &self.rises);
         write!(
             to,
             "the temperature of the axis runs away above {factor:.2} times the given speeds, where the nut \
@@ -362,7 +362,7 @@ impl HeatBalance<'_> {
         &self,
         (rises, heated): ([f64; NODES], NutAtTemperature),
         factor: f64,
-    ) -> Result<Steady, NoSteadyState> {
+    ) -> Result<SteadyState, NoSteadyState> {
         let slopes = self.slopes(&rises, factor, None).map_err(|_| NoSteadyState::NotFound)?;
         let gain = largest_real_part(&self.loop_matrix(&slopes, factor));
         let is_complete = heated.phases.iter().all(Option::is_some);
@@ -373,7 +373,7 @@ impl HeatBalance<'_> {
         };
         let decided = self.nut.models(&rises, factor, &heated).ok_or(NoSteadyState::NoFriction)?;
         let on_jump = !agree(&decided, &self.models);
-        Ok(Steady { rises, heated, gain, on_jump, models: self.models.clone() })
+        Ok(SteadyState { rises, heated, gain, on_jump, models: self.models.clone() })
     }
 
     /// Returns this heat balance with other ball models.
@@ -382,7 +382,7 @@ impl HeatBalance<'_> {
     }
 
     fn is_too_hot(&self, rises: &[f64]) -> bool {
-        rises.iter().any(|rise| self.nut.set + rise > MAX_TEMPERATURE)
+        rises.iter().any(|rise| self.nut.assembly_temperature + rise > MAX_TEMPERATURE)
     }
 
     /// Returns true if the nut still has a preload in the last state of a continuation and this
@@ -456,12 +456,13 @@ impl HeatBalance<'_> {
     fn folded(
         &self,
         z: &[f64; NODES + 1],
-        unstable: Option<Steady>,
+        unstable: Option<SteadyState>,
     ) -> Result<Fold, NoSteadyState> {
         let (rises, factor) = (from_fn(|i| z[i]), z[NODES]);
         let preload = self.nut.heated(&rises, factor, false)?.preload;
-        let (set, preload) = (self.nut.set, self.nut.preload.map(|_| preload));
-        Ok(Fold { factor, rises, set, preload, unstable })
+        let (assembly_temperature, preload) =
+            (self.nut.assembly_temperature, self.nut.preload.map(|_| preload));
+        Ok(Fold { factor, rises, assembly_temperature, preload, unstable })
     }
 }
 
@@ -546,7 +547,7 @@ impl WarmNut<'_> {
     ///
     /// Returns [`NoSteadyState`] if there is no stable steady state. If the temperatures run away,
     /// the error contains the fold.
-    pub fn steady(&self) -> Result<Steady, NoSteadyState> {
+    pub fn steady(&self) -> Result<SteadyState, NoSteadyState> {
         self.steady_from(None)
     }
 
@@ -557,7 +558,7 @@ impl WarmNut<'_> {
     /// # Errors
     ///
     /// Returns the same errors as [`steady`](Self::steady).
-    pub fn steady_from(&self, near: Option<&[f64; NODES]>) -> Result<Steady, NoSteadyState> {
+    pub fn steady_from(&self, near: Option<&[f64; NODES]>) -> Result<SteadyState, NoSteadyState> {
         let (balance, rest) = self.at_rest()?;
         let near = near.copied().unwrap_or(rest);
         let state = match Self::steady_with_models(&balance, rest, near) {
@@ -586,7 +587,7 @@ impl WarmNut<'_> {
         balance: &HeatBalance<'_>,
         rest: [f64; NODES],
         near: [f64; NODES],
-    ) -> Result<Steady, NoSteadyState> {
+    ) -> Result<SteadyState, NoSteadyState> {
         let found = balance.steady_rises(near, 1.0).filter(|(rises, _)| !balance.is_too_hot(rises));
         if let Some(steady) = found {
             let state = balance.state_at(steady, 1.0)?;
@@ -619,7 +620,7 @@ impl WarmNut<'_> {
     ///
     /// Returns [`NoSteadyState`] with the reason and the speed factor if the branch ends without a
     /// fold.
-    pub fn fold(&self, state: &Steady, most: f64) -> Result<Option<Fold>, NoSteadyState> {
+    pub fn fold(&self, state: &SteadyState, most: f64) -> Result<Option<Fold>, NoSteadyState> {
         let (balance, _) = self.at_rest()?;
         let balance = balance.with_models(state.models.clone());
         let walked = balance.trace_branch((state.rises, 1.0), MAX_CONTINUATION_STEP, |trace| {

@@ -263,7 +263,7 @@ fn extreme_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
 fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String> {
     let (sin_a, cos_a) = nut.helix.lead_angle.sin_cos();
     let outward = nut.ball.mass * nut.helix.radius * nut.precession * nut.precession;
-    let middle = nut.middle();
+    let middle = nut.reference_position();
     let (mut on_balls, mut forces) = ([0.0; 5], 0.0);
     for (number, (ball, position)) in found.balls.iter().zip(&found.positions).enumerate() {
         // The forces of each body on the ball are summed along binormal and principal normal.

@@ -437,7 +437,7 @@ fn push_forces_of_a_scaled_nut_are_proportional_to_the_square_of_the_scale() {
 fn zero_gap_and_excessive_return_force_are_rejected() {
     let mut reference = back_driven_nut();
     reference.inputs.gaps = vec![1e-16];
-    assert_eq!(reference.train(), Err(TrainError::NoRoom { circuit: 0 }));
+    assert_eq!(reference.train(), Err(TrainError::NoGap { circuit: 0 }));
     let mut reference = nut_with_equal_balls(0.0);
     reference.inputs.gaps = vec![0.2e-3];
     // Each contact of a ball carries 50 to 100 N. In full sliding with a friction coefficient of

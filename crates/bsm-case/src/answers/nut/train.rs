@@ -181,8 +181,8 @@ impl NutReport {
         let circuits = nut.circuits.iter().enumerate();
         // The loaded arc may temporarily hold one additional ball, because a ball can enter the arc
         // while another ball leaves it.
-        let crowded =
-            circuits.filter(|(i, circuit)| count(circuit.balls) > nut.room(*i, spacer) + 1.0);
+        let crowded = circuits
+            .filter(|(i, circuit)| count(circuit.balls) > nut.ball_capacity(*i, spacer) + 1.0);
         let mut warnings: Vec<_> = crowded
             .map(|(i, circuit)| {
                 format!("{} balls are too many: {}.", circuit.balls, room(nut, i, spacer))

@@ -27,7 +27,7 @@ pub(crate) fn room(nut: &BallNut, circuit: usize, spacer: f64) -> String {
     format!(
         "circuit {circuit} is {:.0} mm long and has room for {} balls with a diameter of {} mm",
         arc * nut.helix.arc_length_per_radian() / MM,
-        nut.room(circuit, spacer),
+        nut.ball_capacity(circuit, spacer),
         exact(2.0 * nut.ball.radius / MM)
     )
 }
