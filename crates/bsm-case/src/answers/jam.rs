@@ -55,12 +55,12 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
             "drag / normal load";
     }
     "wedge between the raceways" {
-        wedge_angle_deg ["deg"] Scalar(|j| j.wedge.opening() / DEG), "wedge angle: contact angle at the screw minus contact angle at the nut";
+        wedge_angle_deg ["deg"] Scalar(|j| j.wedge.wedge_angle() / DEG), "wedge angle: contact angle at the screw minus contact angle at the nut";
         friction_across_N ["N"] Contacts(|j| j.wedge.across()), "friction force across the groove";
-        holding_force_N ["N"] Scalar(|j| j.wedge.holding()), "force that holds the ball in the wedge";
-        expelling_force_N ["N"] Scalar(|j| j.wedge.expelling()), "force that pushes the ball out of the wedge";
+        holding_force_N ["N"] Scalar(|j| j.wedge.holding_force()), "force that holds the ball in the wedge";
+        expelling_force_N ["N"] Scalar(|j| j.wedge.expelling_force()), "force that pushes the ball out of the wedge";
         locking_ratio [""] Scalar(|j| {
-            let (holding, expelling) = (j.wedge.holding(), j.wedge.expelling());
+            let (holding, expelling) = (j.wedge.holding_force(), j.wedge.expelling_force());
             (expelling > ROUNDING * holding).then(|| holding / expelling)
         }), "holding force / expelling force";
         critical_friction_coefficient [""] Scalar(|j| if_any(clean(j.wedge.critical_friction()))),

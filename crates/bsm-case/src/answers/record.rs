@@ -596,10 +596,10 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
     /// contacts gives a wrong film thickness (theory 17).
     const RIGID: f64 = 10.0;
     let mut warnings = Vec::new();
-    let elasticity = film.nut.elasticity.min(film.screw.elasticity);
-    if elasticity < RIGID {
+    let load_parameter = film.nut.load_parameter.min(film.screw.load_parameter);
+    if load_parameter < RIGID {
         warnings.push(format!(
-            "The load parameter M = {elasticity:.1e} is below {RIGID}: the load hardly deforms the contact, so the film is several \
+            "The load parameter M = {load_parameter:.1e} is below {RIGID}: the load hardly deforms the contact, so the film is several \
              times thicker than the formula for elastic contacts gives, and the sliding friction is smaller."
         ));
     }
@@ -650,10 +650,10 @@ pub(crate) fn message(reason: &Reason) -> String {
             nut / DEG,
             screw / DEG
         ),
-        Reason::FlanksCannotHold { control, held, centrifugal } => format!(
+        Reason::FlanksCannotHold { control, max_force_ratio, force_ratio } => format!(
             "the ball leaves its flanks, because they cannot hold the centrifugal force at any contact \
-             angles between 0 and 90 deg. With the {} in control, the flanks hold at most {held:.3e} times \
-             the axial load, but the centrifugal force is {centrifugal:.3e} times the axial load. \
+             angles between 0 and 90 deg. With the {} in control, the flanks hold at most {max_force_ratio:.3e} times \
+             the axial load, but the centrifugal force is {force_ratio:.3e} times the axial load. \
              Raise axial_load_N or lower the speed",
             control.name()
         ),
@@ -662,8 +662,8 @@ pub(crate) fn message(reason: &Reason) -> String {
              contacts; without inertia, the slip at the nut would be {slip:.3e} r_b |W|. The balls \
              roll here; use model traction"
         ),
-        Reason::NoSkidAtInertia { inertia, least, most } => format!(
-            "the ratio of inertia forces to axial load, m r_m W^2/F_a, is {inertia:.3e}; solutions with skid on both flanks exist only for ratios from {least:.3e} to {most:.3e}. Change axial_load_N or the speed"
+        Reason::NoSkidAtInertia { inertia_ratio, min, max } => format!(
+            "the ratio of inertia forces to axial load, m r_m W^2/F_a, is {inertia_ratio:.3e}; solutions with skid on both flanks exist only for ratios from {min:.3e} to {max:.3e}. Change axial_load_N or the speed"
         ),
         Reason::SearchFailed => "the search for a steady motion failed: none was found, but \
              one may exist. Change the inputs slightly, or use another model"
@@ -673,10 +673,10 @@ pub(crate) fn message(reason: &Reason) -> String {
              no contact ellipse with its long axis across the groove; change nut_conformity and \
              screw_conformity towards 0.52"
         ),
-        Reason::NoRootAtInertia { inertia_ratio, nearest } => format!(
+        Reason::NoRootAtInertia { inertia_ratio, nearest_ratio } => format!(
             "the branch of steady motions with saturated friction that starts at small inertia ends before this point: \
              the ratio of inertia forces to axial load, m r_m W^2/F_a, is {inertia_ratio:.3e}, and the nearest ratio with a solution is \
-             {nearest:.3e}. Change axial_load_N or the speed"
+             {nearest_ratio:.3e}. Change axial_load_N or the speed"
         ),
         Reason::Refused { error } => error.to_string(),
         Reason::SingularRoot => {
@@ -705,9 +705,9 @@ pub(crate) fn message(reason: &Reason) -> String {
         Reason::DualDrive => "model quasi-static covers a turning screw or a turning nut, not \
              both; set one of screw_speed_rpm and nut_speed_rpm to 0"
             .to_owned(),
-        Reason::LubricantRunsAway { hottest } => format!(
+        Reason::LubricantRunsAway { max_temperature } => format!(
             "thermal runaway: the losses heat the lubricant faster than heat_transfer_W_K cools it, at all temperatures up to {:.0} C",
-            hottest - ZERO_CELSIUS
+            max_temperature - ZERO_CELSIUS
         ),
         Reason::PowerDoesNotBalance { imbalance } => {
             format!(

@@ -168,7 +168,7 @@ impl<D: Real> Hertz<D> {
     /// Creates the contact for a given shape of the ellipse, given curvatures and a given contact
     /// modulus \[Pa\] (H8), (H9).
     #[inline(always)]
-    pub fn on(axes: &Axes<D>, curvatures: &Curvatures<D>, modulus: D) -> Self {
+    pub fn with_axes(axes: &Axes<D>, curvatures: &Curvatures<D>, modulus: D) -> Self {
         let Axes { flatness, k, e } = *axes;
         let sum = curvatures.longitudinal + curvatures.transverse;
         // a = (3 κ² E Q / (π S E*))^{1/3}                                 (H8)
@@ -215,7 +215,7 @@ impl<D: Scalar> Hertz<D> {
             }
         }
         let axes = Axes::of(targets);
-        Ok(from_fn(|i| Self::on(&axes[i], &curvatures[i], modulus)))
+        Ok(from_fn(|i| Self::with_axes(&axes[i], &curvatures[i], modulus)))
     }
 
     /// Returns the elastic approach \[m\] under the load `load` \[N\] (H9).

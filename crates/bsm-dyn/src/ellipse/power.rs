@@ -29,7 +29,8 @@ pub fn power_of_many<S: Simd, const N: usize>(
     let poles = slip.poles();
     let middle = clamp((poles[0].at + poles[1].at) * 0.5, -1.0, 1.0);
     let ends = [[zero.constant(-1.0), middle], [middle, zero.constant(1.0)]];
-    let (mut power, mut resolved, least) = (zero, zero.mask(true), zero.constant(rule.least()));
+    let (mut power, mut resolved, least) =
+        (zero, zero.mask(true), zero.constant(rule.min_outside_distance()));
     for (pole, [low, high]) in poles.iter().zip(ends) {
         let from = ((low - pole.at) / pole.width).arsinh();
         let length = ((high - pole.at) / pole.width).arsinh() - from;

@@ -161,12 +161,12 @@ fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
 }
 
 /// Maximum number of additional nodes along a line, beyond the number that the accuracy requires.
-const MAX_MORE: usize = 1;
+const MAX_EXTRA_NODES: usize = 1;
 
 /// Results of [`chebyshev`], indexed by the number of nodes. All quadrature rules share this table,
 /// because creating it takes seven times as long as creating the rest of a rule.
 static CHEBYSHEV: LazyLock<Vec<Vec<(f64, f64)>>> =
-    LazyLock::new(|| (0..).take(MAX_INNER_NODES + MAX_MORE + 1).map(chebyshev).collect());
+    LazyLock::new(|| (0..).take(MAX_INNER_NODES + MAX_EXTRA_NODES + 1).map(chebyshev).collect());
 
 /// Returns the number of nodes for each part of a split panel, from the number of nodes of a whole
 /// panel.
@@ -230,7 +230,7 @@ impl Quadrature {
     }
 
     /// Returns the minimum `$\sinh^2\eta$` for which a spin pole counts as outside the ellipse.
-    pub(super) fn least(&self) -> f64 {
+    pub(super) fn min_outside_distance(&self) -> f64 {
         self.pole_distance.last().copied().unwrap_or(f64::INFINITY)
     }
 
@@ -260,7 +260,7 @@ impl Quadrature {
     }
 
     /// Creates a rule with `nodes` nodes per panel. Along each line, it has as many nodes as an
-    /// error of `tolerance` requires, plus `more` nodes (at most [`MAX_MORE`]).
+    /// error of `tolerance` requires, plus `more` nodes (at most [`MAX_EXTRA_NODES`]).
     pub(crate) fn with(nodes: usize, tolerance: f64, more: usize) -> Self {
         let part = Gauss::of(part_of_panel(nodes));
         // The sufficient number of nodes at η is m = max(2, ⌈−ln ε/(2η)⌉ − 1)       (T19)

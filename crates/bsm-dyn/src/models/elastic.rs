@@ -70,7 +70,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
     /// Returns [`EvalError`] if a contact is lost, or if the direction of friction or of the
     /// gyroscopic moment is undefined.
     fn state<D: Over<P>>(&self, y: &[D; BALL_UNKNOWNS]) -> Result<GrossSlipState<D>, EvalError> {
-        cost::evaluated();
+        cost::count_evaluation();
         let contacts = self.0;
         let loaded = contacts.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
         let [nut, screw] = loaded.contacts;

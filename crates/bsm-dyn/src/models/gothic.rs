@@ -238,7 +238,7 @@ impl GothicBall {
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
         let at = self.two_contact_point();
         let lead = at.point.helix.lead_angle;
-        let (_, at_rest) = at.pressed_ball().ok()?.under(axial, lead).ok()?;
+        let (_, at_rest) = at.pressed_ball().ok()?.under_axial_load(axial, lead).ok()?;
         let approaches = grooves.approaches(at_rest.load);
         // s = s*(f) − s*(0)                                               (AC10)
         let play = threshold_play(&grooves, &two_contacts)?

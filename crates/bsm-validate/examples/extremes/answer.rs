@@ -184,7 +184,9 @@ fn name(reason: &Reason) -> String {
     let name: String = text.chars().take_while(char::is_ascii_alphanumeric).collect();
     match reason {
         Reason::Newton { status, .. } => format!("{name} {status:?}"),
-        Reason::NoSkidAtInertia { inertia, least, most } if (least..=most).contains(&inertia) => {
+        Reason::NoSkidAtInertia { inertia_ratio, min, max }
+            if (min..=max).contains(&inertia_ratio) =>
+        {
             format!("{name}, in a gap")
         }
         _ => name,

@@ -73,7 +73,7 @@ pub(super) fn viscosity_ratio(
 ) -> Option<f64> {
     let problem = case.at_point(load.abs(), speed.abs()).problem(settings).ok()?;
     let film = problem.solve(work).solved()?.film?;
-    Some(viscosity_ratio_by_film(film.nut.least_ratio.min(film.screw.least_ratio)))
+    Some(viscosity_ratio_by_film(film.nut.min_ratio.min(film.screw.min_ratio)))
 }
 
 /// Returns true if friction is calculated from the catalog efficiency. This is the case if the

@@ -232,7 +232,7 @@ impl<F: Real> GrooveContact<F> {
         let contact = Self {
             offset: groove.offset(one),
             pressed_radius: pressed_radius(groove.conformity, one),
-            hertz: Hertz::on(&Axes::of_practical_ratio(target), &curvatures, size.modulus),
+            hertz: Hertz::with_axes(&Axes::of_practical_ratio(target), &curvatures, size.modulus),
             curvatures,
         };
         (contact, practice & curvatures.transverse.gt(one.constant(0.0)))

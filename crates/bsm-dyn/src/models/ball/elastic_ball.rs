@@ -247,7 +247,7 @@ impl<P: Scalar> ElasticContacts<P> {
         nut: D,
     ) -> Result<BallLoads<D>, EvalError> {
         let (jones, approaches) = self.pressed(loads)?;
-        let (screw, displacement) = jones.opposite(approaches, nut)?;
+        let (screw, displacement) = jones.screw_angle(approaches, nut)?;
         // The triad is aligned with the normal at A; the normal at B is tilted by β_B − β_A  (P8)
         let frame = BallFrame::turned(D::from(self.helix.lead_angle), nut);
         let contacts =

@@ -211,13 +211,13 @@ impl<F: Real> FilmLoss<F> {
         ContactFilm {
             thickness: film.thickness,
             ratio: film.ratio,
-            least_ratio: film.ratio * min_to_central_ratio,
+            min_ratio: film.ratio * min_to_central_ratio,
             asperity_share: film.law.asperity_share,
             // μ_c = P_s/P_s(1)                                            (Y22)
             friction: sliding / unit,
             rolling_moment: film.couple * units.load * units.length,
             entrainment: film.entrainment * units.speed,
-            elasticity: load_parameter,
+            load_parameter,
             law: film.law.in_unit(units.speed),
         }
     }

@@ -11,7 +11,7 @@ use bsm_newton::{EventRoot, JacobianUpdate, PathEnd, Seed, StepControl, Trace, t
 use super::forces::CURVE_UNKNOWNS;
 use super::states::{SlidingBall, SlidingPoint};
 use super::steady::{CurveState, LOG_NO_INERTIA, STRAIGHTNESS_TOL};
-use crate::cost::{count_of, searched};
+use crate::cost::{count_of, count_search};
 use crate::models::ball::{BALL_UNKNOWNS, ElasticContacts, Evidence, Reason, SolveFailure};
 
 /// Step control along the equilibrium curve. Step lengths are in units of the scales of the
@@ -135,7 +135,7 @@ impl<'a> SlidingCurve<'a> {
     /// Follows the whole equilibrium curve and returns the first root, or the reason why there is
     /// no root. Returns `None` if a root cannot be refined.
     fn trace(&mut self, control: &StepControl) -> Option<Result<CurveRoot, SolveFailure>> {
-        searched();
+        count_search();
         let inertia = self.ball.inertia_ratio;
         let start = self.start;
         // `seen` contains the smallest and the largest inertia ratio at which the ball is on its
@@ -194,7 +194,7 @@ impl<'a> SlidingCurve<'a> {
             return Some(Err(SolveFailure::SEARCH_FAILED));
         }
         let reason = match seen {
-            Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
+            Some((min, max)) => Reason::NoSkidAtInertia { inertia_ratio: inertia, min, max },
             None => Reason::SlipAlongFriction { slip: start.at.motion.slip[0] },
         };
         let evidence = Evidence::Traced { resolution: STEP_CONTROL.pair_resolution };

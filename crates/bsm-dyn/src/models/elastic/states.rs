@@ -176,7 +176,7 @@ impl<P: Real> SlidingBall<P> {
         q: D,
         c: D,
     ) -> (SlidingState<D>, [D; 2]) {
-        cost::evaluated();
+        cost::count_evaluation();
         let (f, v) = (self.friction, self.one_plus_friction_square());
         let w = [(nut.square() + 1.0).sqrt(), (screw.square() + 1.0).sqrt()];
         // E = R_B/√(1 + c²),  m_A = E (c + q),  m_B = E c                 (S18)

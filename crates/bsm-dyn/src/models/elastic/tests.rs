@@ -240,8 +240,8 @@ fn solution_exists_if_nut_and_screw_rotate_at_nearly_equal_speeds() {
         screw.point.drive = bsm_kin::Drive { screw_speed: speed, nut_speed: speed * (1.0 - apart) };
         let solution = Elastic { at: screw }.solve(&mut work);
         converged += usize::from(solution.status() == Status::Converged);
-        if let Some(Reason::NoSkidAtInertia { inertia, least, most }) = solution.reason() {
-            assert!(!(least..=most).contains(&inertia), "{inertia} {least} {most} {screw:?}");
+        if let Some(Reason::NoSkidAtInertia { inertia_ratio, min, max }) = solution.reason() {
+            assert!(!(min..=max).contains(&inertia_ratio), "{inertia_ratio} {min} {max} {screw:?}");
         }
     }
     assert!(converged > 200, "{converged}");

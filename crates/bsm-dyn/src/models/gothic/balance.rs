@@ -133,7 +133,7 @@ impl<P: Scalar, D: Integrate<P>> WithSimd for Evaluate<'_, '_, P, D> {
 impl<P: Scalar> Balance<'_, P> {
     /// Evaluates the force and moment balance for given unknowns.
     pub(super) fn evaluated<D: Integrate<P>>(&self, y: &[D; UNKNOWNS]) -> ArchState<D> {
-        cost::evaluated();
+        cost::count_evaluation();
         Arch::new().dispatch(Evaluate { balance: self, y })
     }
 

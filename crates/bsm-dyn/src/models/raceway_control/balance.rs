@@ -14,7 +14,7 @@ use super::direct::RollingRoot;
 use super::rolling::rolling;
 use super::statics::{Rates, STATIC_UNKNOWNS, StaticBalance};
 use crate::contact::binormal_displacement;
-use crate::cost::{count_of, searched};
+use crate::cost::{count_of, count_search};
 use crate::models::ball::{
     BallLoads, Control, ElasticContacts, Evidence, Reason, SolveFailure, Workspace, equations,
 };
@@ -167,7 +167,7 @@ impl Balance<'_> {
 
     /// Scans for roots that have a larger difference of the cotangents than the first root.
     fn scan(&self, first: f64, newton: &mut Workspace<STATIC_UNKNOWNS>) -> Vec<StaticRoot> {
-        searched();
+        count_search();
         let max_difference = self.max_difference();
         let difference = |c: f64| c - self.centrifugal(self.statics.rate_at(c));
         let begin = (first * (1.0 + MIN_ROOT_DISTANCE)).max(MIN_SCAN_START * max_difference);
@@ -272,9 +272,10 @@ impl Balance<'_> {
         };
         let failure = || {
             let rate = self.statics.rate_at(max_difference);
-            let (held, centrifugal) =
+            let (max_force_ratio, force_ratio) =
                 (max_difference * self.statics.axial, self.centrifugal(rate) * self.statics.axial);
-            let reason = Reason::FlanksCannotHold { control: self.control, held, centrifugal };
+            let reason =
+                Reason::FlanksCannotHold { control: self.control, max_force_ratio, force_ratio };
             SolveFailure::no_solution(Evidence::Proof, reason)
         };
         let at_rest = self.statics.rate_at(0.0);

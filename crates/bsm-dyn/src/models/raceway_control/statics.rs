@@ -85,7 +85,7 @@ impl<P: Real> StaticBalance<P> {
     /// angle.
     #[inline(always)]
     pub(super) fn contact<D: RealOver<P>>(&self, i: usize, cot: D) -> LoadedContact<D> {
-        cost::evaluated();
+        cost::count_evaluation();
         LoadedContact::without_friction(self.contacts[i], self.axial, cot)
     }
 

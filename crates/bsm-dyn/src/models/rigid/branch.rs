@@ -13,7 +13,7 @@ use bsm_newton::{
 use super::ball::{RigidBall, RigidMotion};
 use super::equations::{MIN_INERTIA, RigidEquations, Unknowns};
 use super::first_order::FirstOrder;
-use crate::cost::{self, searched};
+use crate::cost::{self, count_search};
 use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, UNLOADED_FLANK_LOAD,
 };
@@ -187,7 +187,7 @@ impl<'a> Branch<'a> {
         &self,
         z: &[D; BRANCH_UNKNOWNS],
     ) -> Result<[D; BALL_UNKNOWNS], EvalError> {
-        cost::evaluated();
+        cost::count_evaluation();
         let motion = self.unit.motion(&self.unknowns(z));
         let motion = motion.as_ref().map_err(|error| *error)?;
         // F_nut·k − a Q_B = 0                                             (R52)
@@ -268,7 +268,7 @@ impl RigidBall<f64> {
         if !self.has_branch(first) {
             return BranchRoots { motions: Vec::new(), nearest_inertia: None, is_complete: true };
         }
-        searched();
+        count_search();
         let branch = Branch::of(self, first);
         let log = self.inertia_ratio.ln();
         let (mut motions, mut known) = (Vec::new(), 0);

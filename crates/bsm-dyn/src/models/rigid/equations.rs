@@ -69,7 +69,7 @@ impl<P: Scalar> RigidEquations<P> {
     ///
     /// Returns the errors of [`motion`](Self::motion).
     pub(super) fn residual<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
-        cost::evaluated();
+        cost::count_evaluation();
         // The motion is passed by reference, because a motion with derivatives takes several
         // kilobytes.
         let motion = self.motion(y);

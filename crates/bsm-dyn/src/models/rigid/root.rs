@@ -259,9 +259,11 @@ fn inadmissible(swept: &Sweeps<f64>) -> Reason {
 }
 
 /// Returns the reason why a branch has no root at the actual inertia.
-fn no_root_reason(ball: &RigidBall<f64>, first: &FirstOrder, nearest: Option<f64>) -> Reason {
-    match nearest {
-        Some(nearest) => Reason::NoRootAtInertia { inertia_ratio: ball.inertia_ratio, nearest },
+fn no_root_reason(ball: &RigidBall<f64>, first: &FirstOrder, nearest_ratio: Option<f64>) -> Reason {
+    match nearest_ratio {
+        Some(nearest_ratio) => {
+            Reason::NoRootAtInertia { inertia_ratio: ball.inertia_ratio, nearest_ratio }
+        }
         None if first.load <= 0.0 => self_locking(ball),
         None if first.unloaded <= 0.0 => unloaded_flank_would_pull(first),
         None => would_roll(first),

@@ -645,14 +645,15 @@ fn root_exists_at_reported_nearest_inertia() {
     while named < 50 {
         let rigid = random_extreme_point(&mut rng);
         let solution = Rigid { point: rigid }.solve(&mut work);
-        let Some(Reason::NoRootAtInertia { inertia_ratio, nearest }) = solution.reason() else {
+        let Some(Reason::NoRootAtInertia { inertia_ratio, nearest_ratio }) = solution.reason()
+        else {
             continue;
         };
         named += 1;
         // The branch ends at the reported inertia, so the test uses an inertia that is 0.1 % inside
         // the branch.
-        let back = if nearest < inertia_ratio { 0.999 } else { 1.001 };
-        let axial = rigid.load.axial * inertia_ratio / (back * nearest);
+        let back = if nearest_ratio < inertia_ratio { 0.999 } else { 1.001 };
+        let axial = rigid.load.axial * inertia_ratio / (back * nearest_ratio);
         balanced_root(&OperatingPoint { load: Load { axial, ..rigid.load }, ..rigid });
     }
 }

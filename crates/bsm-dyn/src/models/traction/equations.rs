@@ -410,7 +410,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         friction: D,
         rate: D,
     ) -> Result<Evaluation<D>, EvalError> {
-        cost::evaluated();
+        cost::count_evaluation();
         let mut found = Arch::new().dispatch(Evaluate { ball: self, y, friction, rate })?;
         if let Some(push) = &self.push {
             let loaded = self.loaded(y)?;

@@ -64,7 +64,7 @@ impl SlipBall<'_> {
                 Err(reason) => failure = SolveFailure::not_converged(reason),
             }
         }
-        crate::cost::searched();
+        crate::cost::count_search();
         let mut y = near.unknowns;
         let control = Continuation { first: 0.25, shortest: 0.01 };
         let arrived = follow(&mut y, (0.0, 1.0), control, |fraction, y| {

@@ -13,7 +13,7 @@ use bsm_newton::{
 
 use super::equations::SlipBall;
 use super::root::{SlipRoot, are_on_flanks};
-use crate::cost::searched;
+use crate::cost::count_search;
 use crate::ellipse::Integrate;
 use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{BALL_UNKNOWNS, Workspace, linear};
@@ -165,7 +165,7 @@ impl SlipBall<'_> {
     /// Follows the path of increasing inertia forces to the first root with both contacts on their
     /// flanks.
     pub(super) fn followed(&self, newton: &mut Workspace, steps: &mut usize) -> PathResult {
-        searched();
+        count_search();
         let at_rest = match self.without_inertia(newton, steps) {
             Ok(at_rest) => at_rest,
             Err(failure) => return failure,

@@ -207,9 +207,9 @@ fn no_solution_exists_above_the_largest_inertia_on_the_solution_curve() {
         let solution = Elastic { at: screw }.solve(&mut work);
         match solution.reason() {
             None => (roots, most) = (roots + 1, inertia),
-            Some(Reason::NoSkidAtInertia { most, inertia: own, .. }) => {
+            Some(Reason::NoSkidAtInertia { max, inertia_ratio: own, .. }) => {
                 assert_eq!(solution.status(), Status::NoSolution);
-                assert!(*own > *most, "{own} {most}");
+                assert!(*own > *max, "{own} {max}");
             }
             other => panic!("{other:?}"),
         }

@@ -120,10 +120,10 @@ proptest! {
             Err(failure) => {
                 prop_assert_eq!(failure.evidence(), Some(Evidence::Proof), "{:?}", failure);
                 prop_assert!(crossed.is_none(), "{:?} {:?}", crossed, failure);
-                let Reason::FlanksCannotHold { held, centrifugal, .. } = *failure.reason() else {
+                let Reason::FlanksCannotHold { max_force_ratio, force_ratio, .. } = *failure.reason() else {
                     panic!("{failure:?}")
                 };
-                prop_assert!(held < centrifugal);
+                prop_assert!(max_force_ratio < force_ratio);
             }
         }
     }
