@@ -30,7 +30,7 @@ impl Kernel for ClosedFormKernel {
         }
         let found = (sines.efficiency(back, f), sines.self_locking(back, f));
         let (ratio, lead) = (sines.load_ratio(back, f), (back, sines.tan_a()));
-        out.put(&transmitted(ball, found, ratio, screw_size(given), lead));
+        out.store(&transmitted(ball, found, ratio, screw_size(given), lead));
         f.mask(true)
     }
 }

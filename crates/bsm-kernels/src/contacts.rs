@@ -76,7 +76,7 @@ impl<S: Simd> NullaryFnOnce for ElasticResults<'_, '_, '_, S> {
         let displacement = contacts.displacement(sides);
         let ball =
             motion.state(&contacts.scaled, (angles, sides), displacement, &units.result_units());
-        out.put(&SteadyState {
+        out.store(&SteadyState {
             error: self.error,
             film: self.film,
             ..SteadyState::new(&ball, *self.transmission)

@@ -34,7 +34,7 @@ impl Kernel for QuasiStaticKernel {
 
         let ball = BallState::at_angle(given.get(InputKey::contact_angle_deg) * DEG);
         let (found, lead) = ((eta, eta.le(zero)), (back, contacts.sines.tan_a()));
-        out.put(&transmitted(ball, found, ratio, screw_size(given), lead));
+        out.store(&transmitted(ball, found, ratio, screw_size(given), lead));
         ratio.gt(zero)
     }
 }

@@ -55,7 +55,7 @@ impl Kernel for RigidKernel {
         }
         let angle = given.get(InputKey::contact_angle_deg) * DEG;
         let solved = ball.solved(&swept.motion, &si.result_units(), angle, out.wants(&DIRECTIONS));
-        out.put(&solved);
+        out.store(&solved);
         out.set(SolutionOutput::iterations, swept.count);
         out.set(SolutionOutput::residual_norm, swept.residual);
         // Unless the solution is known to be unique, the number of further solutions is unknown

@@ -78,11 +78,11 @@ pub struct Seed<const M: usize> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepControl {
     /// Length of the first step, positive. Defaults to 0.1.
-    pub first: f64,
+    pub first_step: f64,
     /// Maximum step length. Defaults to 0.5.
-    pub longest: f64,
+    pub max_step: f64,
     /// Minimum step length. The path is lost if a shorter step would be needed. Defaults to 1e-7.
-    pub shortest: f64,
+    pub min_step: f64,
     /// Step length below which a step is accepted even if it may hide a pair of sign changes.
     /// Defaults to 1e-3.
     pub pair_resolution: f64,
@@ -91,7 +91,7 @@ pub struct StepControl {
     /// Scaled residual to which the points of the path are refined, as in
     /// [`Convergence::residual_goal`]. If it exceeds the default of [`Convergence::residual_tol`],
     /// it is also the residual tolerance. Defaults to 1e-10.
-    pub goal: f64,
+    pub residual_goal: f64,
     /// Relative tolerance for the location of a crossing within a step. Defaults to 1e-14.
     pub root_tolerance: f64,
     /// Rule that decides when the Jacobian is evaluated during a correction, as in
@@ -102,12 +102,12 @@ pub struct StepControl {
 impl Default for StepControl {
     fn default() -> Self {
         Self {
-            first: 0.1,
-            longest: 0.5,
-            shortest: 1e-7,
+            first_step: 0.1,
+            max_step: 0.5,
+            min_step: 1e-7,
             pair_resolution: 1e-3,
             max_points: 1000,
-            goal: Convergence::default().residual_goal,
+            residual_goal: Convergence::default().residual_goal,
             root_tolerance: 1e-14,
             jacobian: JacobianUpdate::default(),
         }
@@ -293,7 +293,7 @@ where
         let plane =
             OnPlane { homotopy: self.homotopy, foot: *foot, normal: normal(direction, sizes) };
         let scales = Scales { x: &sizes.map(f64::recip), f: &self.weights(foot) };
-        let residual_goal = self.control.goal;
+        let residual_goal = self.control.residual_goal;
         let convergence = Convergence {
             residual_tol: Convergence::default().residual_tol.max(residual_goal),
             residual_goal,
@@ -331,7 +331,7 @@ where
     }
 
     fn follow_curve(&mut self, begin: &Node<M, K>, orientation: f64) -> PathEnd {
-        let (mut at, mut length) = (*begin, self.control.first);
+        let (mut at, mut length) = (*begin, self.control.first_step);
         for point in 0..self.control.max_points {
             self.trace.points = point + 1;
             let Some((next, easy)) = self.next(&at, begin, &mut length, orientation, point) else {
@@ -346,7 +346,7 @@ where
                 return PathEnd::Closed;
             }
             at = next;
-            length = (length * if easy { 1.6 } else { 1.0 }).min(self.control.longest);
+            length = (length * if easy { 1.6 } else { 1.0 }).min(self.control.max_step);
         }
         PathEnd::MaxPoints
     }
@@ -361,7 +361,7 @@ where
         orientation: f64,
         point: usize,
     ) -> Option<(Node<M, K>, bool)> {
-        while *length >= self.control.shortest {
+        while *length >= self.control.min_step {
             if let Some((mut next, easy)) = self.step(at, *length, orientation) {
                 let mut moved = distance(&at.z, &next.z, &at.sizes);
                 if point > 1 && passes(begin, at, &next, moved) {

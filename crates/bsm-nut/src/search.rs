@@ -157,7 +157,7 @@ impl Assembly<'_> {
             balls: state.balls,
             grooves: state.grooves,
             bodies,
-            widening: y[first + FREEDOMS..].to_vec(),
+            radial_expansions: y[first + FREEDOMS..].to_vec(),
             steps,
             residual,
         }

@@ -21,8 +21,8 @@ pub use coupling::{
     BETWEEN_LOADS, HeldFriction, NutAtTemperature, PhaseState, WarmNut, WarmPhase,
     drag_beyond_contacts,
 };
-pub use network::{AxialHold, Network, ScrewBar, Surroundings};
-pub use states::{Fold, NoSteadyState, OnBranch, SteadyState};
+pub use network::{AxialConstraint, Network, ScrewBar, Surroundings};
+pub use states::{BranchState, Fold, NoSteadyState, SteadyState};
 
 /// Number of thermal nodes: nut, screw within the travel, balls, and both ends of the screw.
 pub const NODES: usize = 5;

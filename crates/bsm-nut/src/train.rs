@@ -89,7 +89,7 @@ pub struct Exit {
     /// balls in the ball return.
     pub push: ExitPush,
     /// Sum of the angles of all bends in the ball return \[rad\].
-    pub bend: f64,
+    pub bend_angle: f64,
     /// Friction coefficient between balls and ball return.
     pub friction: f64,
 }
@@ -108,7 +108,7 @@ pub enum ExitPush {
 impl Exit {
     /// Returns the factor by which the bends in the ball return increase a push force.
     fn bend_factor(&self) -> f64 {
-        (self.friction * self.bend).exp()
+        (self.friction * self.bend_angle).exp()
     }
 
     /// Returns the push force that the ball return requires at the exit from the loaded part \[N\].
@@ -185,7 +185,7 @@ pub struct Train {
     /// divided by the losses.
     pub power_balance: f64,
     /// Number of ball-to-ball contacts that transmit a push force.
-    pub touching: usize,
+    pub touching_contacts: usize,
     /// Largest push force between balls \[N\].
     pub largest_push: f64,
 }
@@ -385,7 +385,7 @@ impl BallNut {
                 return Err(TrainError::BothFlanks);
             } else if number > 0
                 && balls[number - 1].is_some()
-                && self.alike(found, number - 1, number)
+                && self.have_equal_loads(found, number - 1, number)
             {
                 balls[number - 1].clone()
             } else {
@@ -419,7 +419,7 @@ impl BallNut {
             let [exit, _] = circuit.ends;
             let pushes = circuit.balls.iter().flat_map(|ball| ball.pushes).chain([exit]);
             train.largest_push = pushes.fold(train.largest_push, f64::max);
-            train.touching +=
+            train.touching_contacts +=
                 pass.states.iter().skip(1).filter(|state| state.pushes[1] > 0.0).count();
             train.circuits.push(circuit);
         }

@@ -2,7 +2,7 @@
 
 use bsm_nut::FrictionSum;
 use bsm_nut::thermal::{
-    Estimate, NoSteadyState, OnBranch, PhaseState, SteadyState, WarmNut, celsius,
+    BranchState, Estimate, NoSteadyState, PhaseState, SteadyState, WarmNut, celsius,
 };
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -187,8 +187,8 @@ fn of_band(nut: &WarmNut<'_>, steady: &SteadyState) -> Vec<f64> {
     let whole = [steady.heated.preload, steady.heat(), growth / UM, tension, steady.gain];
     let moving = steady.heated.phases.iter().flatten();
     let torques = moving.filter_map(|phase| {
-        let FrictionSum { torque, returns, .. } = phase.friction?;
-        Some([torque + returns, phase.drag])
+        let FrictionSum { torque, ball_returns, .. } = phase.friction?;
+        Some([torque + ball_returns, phase.drag])
     });
     celsius(nut.assembly_temperature, &steady.rises)
         .into_iter()
@@ -257,14 +257,14 @@ impl Warm {
                 "The warm state excludes the friction heat of ball-to-ball contact.".to_owned(),
             );
         }
-        if state.steady.on_jump {
+        if state.steady.is_at_discontinuity {
             let what = "The friction of some balls is discontinuous at the warm state, because the \
                         controlling raceway or the model changes there. The calculated state uses \
                         the friction on one side of the jump.";
             notes.push(what.to_owned());
         }
         let Some(band) = &state.band else { return notes };
-        if let Some(why) = &band.none_complete {
+        if let Some(why) = &band.complete_failure {
             notes.push(format!(
                 "With typical values for the missing seal and support bearing torques, {why}."
             ));
@@ -361,7 +361,7 @@ impl WarmBranch {
         }
         let (set, cold_preload_N, states) = Warm::branch(case, settings)?;
         let speed_rpm = Machine::of(case)?.axis.fastest() / RPM;
-        let point = |state: OnBranch| {
+        let point = |state: BranchState| {
             let [nut, screw, balls, ..] = celsius(set, &state.rises);
             WarmPoint {
                 speed_rpm: state.factor * speed_rpm,

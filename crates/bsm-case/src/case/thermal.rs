@@ -3,7 +3,7 @@
 use bsm_design::EndFixity;
 use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_nut::thermal::{
-    AxialHold, BallLink, Coolant, ScrewBar, Surfaces, Surroundings, ThermalAxis,
+    AxialConstraint, BallLink, Coolant, ScrewBar, Surfaces, Surroundings, ThermalAxis,
     coolant_conductance,
 };
 
@@ -77,7 +77,7 @@ pub(crate) fn thermal_axis(
         let coolant = case.entries.coolant.map_or(Coolant::Water, |Named(coolant)| coolant);
         coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
     });
-    let hold = machine.held.map(|held| AxialHold {
+    let constraint = machine.held.map(|held| AxialConstraint {
         stiffness: held.shaft.held(held.bearing),
         pretension: held.tension(0.0),
         youngs_modulus: shaft.youngs_modulus,
@@ -111,7 +111,7 @@ pub(crate) fn thermal_axis(
             conductivity: case.number(InputKey::steel_conductivity_W_m_K),
             expansion: case.number(InputKey::thermal_expansion_um_m_K) * UM,
             bearings: [true, shaft.support != EndFixity::FixedFree],
-            hold,
+            constraint,
         },
         surroundings: Surroundings {
             air,

@@ -6,7 +6,7 @@ mod axis;
 use bsm_dyn::Model;
 use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_nut::thermal::{
-    Conductances, Fold, NODES, NoSteadyState, OnBranch, PhaseState, StateInterval, SteadyState,
+    BranchState, Conductances, Fold, NODES, NoSteadyState, PhaseState, StateInterval, SteadyState,
     WarmNut, celsius,
 };
 use bsm_nut::{Equilibrium, Support};
@@ -169,7 +169,7 @@ impl Warm {
             cold_life: cold.life().map(|life| life.revolutions),
             phases: steady.heated.phases.iter().map(|phase| phase.as_ref().map(in_phase)).collect(),
             preload: preload.map(|cold| NutPreload { warm: steady.heated.preload, ..cold }),
-            tension: nut.axis.screw.hold.map(|_| network.tension(&steady.rises)),
+            tension: nut.axis.screw.constraint.map(|_| network.tension(&steady.rises)),
             conductances: network.conductances,
             given: case.given(),
             oil: lubricated.then(|| nut.oil(&steady.rises) - ZERO_CELSIUS),
@@ -184,7 +184,7 @@ impl Warm {
     pub(crate) fn branch(
         case: &Case,
         settings: &Settings,
-    ) -> Result<(f64, Option<f64>, Vec<OnBranch>), CaseError> {
+    ) -> Result<(f64, Option<f64>, Vec<BranchState>), CaseError> {
         let machine = Machine::of(case)?;
         let axis = WarmAxis::of(case, settings, &machine)?;
         let nut = axis.nut()?;

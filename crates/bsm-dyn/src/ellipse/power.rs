@@ -78,7 +78,7 @@ fn add_power<S: Simd, const N: usize>(
                 (abscissae[i], parts[i]) = (*abscissa, *part);
             }
         }
-        let (s, part) = (power.like(&abscissae), power.like(&parts));
+        let (s, part) = (power.load_like(&abscissae), power.load_like(&parts));
         for (xi, weight) in *lines {
             let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
             let v_c = b_0 + b_1 * s;
@@ -121,5 +121,5 @@ pub fn lubricated_powers<S: Simd, const N: usize>(
             powers[row] = found.power;
         }
     }
-    powers.map(|powers| powers.map(|powers| patches[0].creep.like(&powers)))
+    powers.map(|powers| powers.map(|powers| patches[0].creep.load_like(&powers)))
 }

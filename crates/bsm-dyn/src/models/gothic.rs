@@ -826,7 +826,7 @@ impl Search<'_> {
             0..POSITIONS => at_rest[i] / balance.units.1,
             _ => motion[i - POSITIONS],
         });
-        let control = Continuation { first: 0.9, shortest: 0.02 };
+        let control = Continuation { first_step: 0.9, min_step: 0.02 };
         let (end, mut failure) = (balance.creep, SolveFailure::SEARCH_FAILED);
         follow(&mut y, (FIRST_CREEP.max(end).ln(), end.ln()), control, |log, y| {
             match self.solved(&Balance { creep: log.exp(), ..*balance }, *y, PATH_RESIDUAL) {

@@ -17,7 +17,7 @@ pub struct StateInterval {
     pub none: Vec<(Estimate, f64, NoSteadyState)>,
     /// Reason why no steady state exists if the missing heat sources have their typical values;
     /// `None` if a steady state exists.
-    pub none_complete: Option<NoSteadyState>,
+    pub complete_failure: Option<NoSteadyState>,
 }
 
 /// Returns the uncertainty band of the results (I21). Each estimated quantity is multiplied and
@@ -60,7 +60,7 @@ pub(super) fn interval(
             *squares = [squares[0] + most[0].powi(2), squares[1] + most[1].powi(2)];
         }
     }
-    let (shifts, none_complete) = match complete() {
+    let (shifts, complete_failure) = match complete() {
         Ok(found) => (changes(&found), None),
         Err(why) => (vec![[0.0; 2]; middle.len()], Some(why)),
     };
@@ -69,7 +69,7 @@ pub(super) fn interval(
         [middle - less - down.sqrt(), middle + more + up.sqrt()]
     };
     let ends = middle.iter().zip(&squares).zip(shifts).map(end).collect();
-    StateInterval { values: middle, ends, none, none_complete }
+    StateInterval { values: middle, ends, none, complete_failure }
 }
 
 impl WarmNut<'_> {

@@ -30,7 +30,7 @@ pub struct ScrewBar {
     /// not transfer heat to the structure.
     pub bearings: [bool; 2],
     /// Axial constraint by two fixed bearings; `None` if the screw can expand freely.
-    pub hold: Option<AxialHold>,
+    pub constraint: Option<AxialConstraint>,
 }
 
 impl ScrewBar {
@@ -38,13 +38,14 @@ impl ScrewBar {
     /// both bearings are fixed.
     pub fn strain(&self, tension: f64) -> f64 {
         // s = F_t/(E A_s)                                                 (I5)
-        self.hold.map_or(0.0, |hold| tension / (hold.youngs_modulus * self.section))
+        self.constraint
+            .map_or(0.0, |constraint| tension / (constraint.youngs_modulus * self.section))
     }
 }
 
 /// Axial constraint of a screw by two fixed bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AxialHold {
+pub struct AxialConstraint {
     /// Stiffness of the screw in series with both bearings \[N/m\].
     pub stiffness: f64,
     /// Axial tension of the screw at the assembly temperature \[N\].
@@ -184,11 +185,12 @@ impl Network {
     /// Returns the axial tension of the screw \[N\] (I17). It is negative for compression, and zero
     /// unless both bearings are fixed.
     pub fn tension(&self, rises: &[f64; NODES]) -> f64 {
-        self.screw.hold.map_or(0.0, |hold| {
+        self.screw.constraint.map_or(0.0, |constraint| {
             let of_the_structure =
                 self.screw.expansion * self.screw.length * self.surroundings.structure;
             // F_t = F_t0 − K_ax [D_l − α_T l (T_h − T_set)]               (I17)
-            hold.pretension - hold.stiffness * (self.thermal_expansion(rises) - of_the_structure)
+            constraint.pretension
+                - constraint.stiffness * (self.thermal_expansion(rises) - of_the_structure)
         })
     }
 }

@@ -82,7 +82,7 @@ pub struct SteadyState {
     /// True if, in this state, the balls would choose models or controlling raceways other than
     /// those with which the friction was calculated. The friction is discontinuous in this state,
     /// and the reported friction is the value on one side of the discontinuity.
-    pub on_jump: bool,
+    pub is_at_discontinuity: bool,
     /// Ball models with which the friction in this state was calculated.
     models: ModelsOfPhases,
 }
@@ -132,7 +132,7 @@ impl fmt::Display for Fold {
 
 /// A point on the branch of steady states that begins at standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OnBranch {
+pub struct BranchState {
     /// Speed at this point divided by the given speed.
     pub factor: f64,
     /// Temperature rises of the nodes above the assembly temperature \[K\].
@@ -278,7 +278,7 @@ impl HeatBalance<'_> {
         let mut slopes = [[0.0; NODES]; FRICTION_NODES];
         // The temperatures of the screw ends influence the nut only if both ends of the screw are
         // held, because only then do these temperatures change the axial tension of the screw.
-        let felt = if self.nut.axis.screw.hold.is_some() { NODES } else { FRICTION_NODES };
+        let felt = if self.nut.axis.screw.constraint.is_some() { NODES } else { FRICTION_NODES };
         for k in 0..felt {
             let at = |by: f64| {
                 let mut moved = *rises;
@@ -372,8 +372,8 @@ impl HeatBalance<'_> {
             self.nut.heated_to(&rises, factor, true, BETWEEN_LOADS, &self.models)?
         };
         let decided = self.nut.models(&rises, factor, &heated).ok_or(NoSteadyState::NoFriction)?;
-        let on_jump = !agree(&decided, &self.models);
-        Ok(SteadyState { rises, heated, gain, on_jump, models: self.models.clone() })
+        let is_at_discontinuity = !agree(&decided, &self.models);
+        Ok(SteadyState { rises, heated, gain, is_at_discontinuity, models: self.models.clone() })
     }
 
     /// Returns this heat balance with other ball models.
@@ -426,7 +426,7 @@ impl HeatBalance<'_> {
     fn trace_branch(
         &self,
         from: ([f64; NODES], f64),
-        longest: f64,
+        max_step: f64,
         continues: impl FnMut(&Trace<{ NODES + 1 }>) -> bool,
     ) -> Trace<{ NODES + 1 }> {
         let mut z = [from.1; NODES + 1];
@@ -434,11 +434,11 @@ impl HeatBalance<'_> {
         let towards = from_fn(|i| if i == NODES { 1.0 } else { 0.0 });
         let jacobian = JacobianUpdate::EveryTrial { chord_below: f64::INFINITY };
         let control = StepControl {
-            longest,
+            max_step,
             // A continuation step must not be shorter than the step of finite differences.
-            shortest: DIFFERENCE / SIZES.0,
+            min_step: DIFFERENCE / SIZES.0,
             root_tolerance: ROOT_TOLERANCE,
-            goal: RESIDUAL_TOLERANCE,
+            residual_goal: RESIDUAL_TOLERANCE,
             jacobian,
             ..StepControl::default()
         };
@@ -569,7 +569,7 @@ impl WarmNut<'_> {
             }
             found => found?,
         };
-        if !state.on_jump {
+        if !state.is_at_discontinuity {
             return Ok(state);
         }
         let decided = self.models(&state.rises, 1.0, &state.heated);
@@ -649,7 +649,7 @@ impl WarmNut<'_> {
     /// # Errors
     ///
     /// Returns [`NoSteadyState`] if no steady state exists even at low speed.
-    pub fn branch(&self, most: f64) -> Result<Vec<OnBranch>, NoSteadyState> {
+    pub fn branch(&self, most: f64) -> Result<Vec<BranchState>, NoSteadyState> {
         let (mut balance, rest) = self.at_rest()?;
         if let Ok(state) = self.steady() {
             balance = balance.with_models(state.models);
@@ -673,7 +673,7 @@ impl WarmNut<'_> {
         });
         let point = |(rises, factor, stable)| {
             let preload = self.heated(&rises, factor, false)?.preload;
-            Ok(OnBranch { factor, rises, preload, stable })
+            Ok(BranchState { factor, rises, preload, stable })
         };
         points.into_iter().map(point).collect()
     }

@@ -77,7 +77,11 @@ pub(crate) fn nut(rng: &mut impl Rng) -> BallNut {
     }
     if rng.random_bool(0.5) {
         let inner = pitch + 0.7 * ball;
-        nut.ring = Some(Ring { outer: 1.5 * inner, inner, youngs_modulus: 206e9 });
+        nut.ring = Some(Ring {
+            outer_diameter: 1.5 * inner,
+            inner_diameter: inner,
+            youngs_modulus: 206e9,
+        });
     }
     if rng.random_bool(0.2) {
         nut.precession = rng.log_uniform(1.0, 600.0);

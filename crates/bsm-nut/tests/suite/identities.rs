@@ -63,7 +63,8 @@ fn stiffness_matches_the_slope_of_the_forces() {
     let mut nut = nut_with_98_balls();
     nut.nut_bar = Some(Bar { stiffness: 453e6, anchor: -0.01 });
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 0.07 });
-    nut.ring = Some(Ring { outer: 70e-3, inner: 45.826e-3, youngs_modulus: 206e9 });
+    nut.ring =
+        Some(Ring { outer_diameter: 70e-3, inner_diameter: 45.826e-3, youngs_modulus: 206e9 });
     nut.errors.lead = vec![LeadError::Wave { amplitude: 1e-6, order: 1.0, phase: 0.3 }];
     let at = [12e-6, 2e-6, -1e-6, 60e-6, -30e-6];
     let found = nut.solve(&prescribed_displacements(at)).expect("pressed");
@@ -450,7 +451,7 @@ fn oversize_balls_cause_a_drag_torque() {
         let drive = Drive { screw_speed, nut_speed: 0.0 };
         let unused = |_: bsm_dyn::ElasticPoint| unreachable!("all balls are on both flanks");
         let all = tight.friction(&found, FlankFriction::equal(friction), &drive, 0.0, unused);
-        assert_eq!(all.on_both_flanks, 98);
+        assert_eq!(all.balls_on_both_flanks, 98);
         all.torque.expect("all balls")
     };
     let torque = drag(50.0, 0.06);

@@ -456,7 +456,7 @@ fn friction_is_continuous_under_a_growing_side_load() {
                 let (accuracy, creep) = (1e-6, Traction::<f64>::CREEP);
                 Problem::Traction(Traction { at, accuracy, creep }).solve(work)
             });
-            (friction.on_both_flanks, friction.torque.expect("all balls"))
+            (friction.balls_on_both_flanks, friction.torque.expect("all balls"))
         };
         let mut changes = 0;
         let mut low = (0.0, at(0.0));

@@ -69,7 +69,7 @@ impl Case {
             contact_friction: value("ball_contact_friction"),
             exit: Exit {
                 push,
-                bend: value("return_bend_deg") * PI / 180.0,
+                bend_angle: value("return_bend_deg") * PI / 180.0,
                 friction: value("return_friction_coefficient"),
             },
             idle_drag: 0.0,
@@ -165,7 +165,7 @@ fn push_forces_and_losses_of_ball_trains_match_the_reference() {
         let largest = number(expected, "max_push_N").expect("push");
         near("largest push", train.largest_push, largest, pushes * largest);
         for (key, got) in [
-            ("touching_contacts", train.touching),
+            ("touching_contacts", train.touching_contacts),
             ("idle_balls", train.number_of(Rolling::Idle)),
             ("blocked_balls", train.number_of(Rolling::Blocked)),
         ] {
@@ -228,7 +228,7 @@ fn back_driven_nut() -> Case {
     let mut reference = reference("T05");
     reference.inputs.contact_friction = 0.1;
     reference.inputs.spacer = 0.0;
-    reference.inputs.exit = Exit { push: ExitPush::AtExit(0.0), bend: 0.0, friction: 0.0 };
+    reference.inputs.exit = Exit { push: ExitPush::AtExit(0.0), bend_angle: 0.0, friction: 0.0 };
     reference
 }
 
@@ -276,14 +276,14 @@ fn friction_equals_the_sum_over_single_balls_if_the_balls_do_not_touch() {
     let needed = advance.circuits[0].needed_gap;
     reference.inputs.gaps = vec![1.001 * needed];
     let train = solve_train(&reference);
-    assert_eq!((train.touching, train.largest_push), (0, 0.0));
+    assert_eq!((train.touching_contacts, train.largest_push), (0, 0.0));
     // The ball-train calculation and the calculation for single balls solve the same equations for
     // the same balls, with residuals of 1e-10.
     assert!((train.torque() / friction - 1.0).abs() < 1e-9, "{} {friction}", train.torque());
     let gaps: f64 = train.circuits[0].balls.iter().map(|ball| ball.gap).sum();
     assert!((gaps / needed - 1.001).abs() < 1e-9, "{gaps:e} of {needed:e}");
     reference.inputs.gaps = vec![0.99 * needed];
-    assert!(solve_train(&reference).touching > 0);
+    assert!(solve_train(&reference).touching_contacts > 0);
 }
 
 #[test]
@@ -330,7 +330,7 @@ fn power_is_lost_only_at_raceways_and_ball_return_if_ball_to_ball_friction_is_ze
     reference.inputs.gaps = vec![0.2e-3];
     reference.inputs.exit.push = ExitPush::AtExit(0.5);
     let train = solve_train(&reference);
-    assert!(train.touching > 5 && train.return_torque > 0.0, "{train:?}");
+    assert!(train.touching_contacts > 5 && train.return_torque > 0.0, "{train:?}");
     assert!(train.contact_torque.abs() <= 0.0, "{}", train.contact_torque);
     assert!(train.power_balance.abs() < 1e-9, "{}", train.power_balance);
 }
@@ -502,7 +502,7 @@ fn random_nut(rng: &mut impl Rng) -> (Case, Equilibrium) {
             gaps,
             spacer: if rng.random_bool(0.3) { 0.1 * nut.ball.radius } else { 0.0 },
             contact_friction: if rng.random_bool(0.2) { 0.0 } else { rng.log_uniform(0.01, 0.3) },
-            exit: Exit { push, bend: rng.random_range(0.0..PI), friction: 0.1 },
+            exit: Exit { push, bend_angle: rng.random_range(0.0..PI), friction: 0.1 },
             idle_drag: if rng.random_bool(0.2) { 1e-4 * load } else { 0.0 },
         };
         let friction = Some(rng.log_uniform(0.01, 0.15));
@@ -549,7 +549,7 @@ fn random_ball_trains_are_solved_or_rejected_with_a_reason() {
         match reference.train_from_equilibrium(&found) {
             Ok(train) => {
                 solved += 1;
-                touching += usize::from(train.touching > 0);
+                touching += usize::from(train.touching_contacts > 0);
                 if let Some(wrong) = defect_of(&reference, &train) {
                     panic!("{point}: {wrong} {reference:?}");
                 }

@@ -15,8 +15,8 @@ use bsm_dyn::{
 };
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
-    AxialHold, BETWEEN_LOADS, BallLink, Coolant, HeatSources, HeldFriction, NODES, NoSteadyState,
-    ScrewBar, Surfaces, Surroundings, ThermalAxis, WarmNut, WarmPhase, celsius,
+    AxialConstraint, BETWEEN_LOADS, BallLink, Coolant, HeatSources, HeldFriction, NODES,
+    NoSteadyState, ScrewBar, Surfaces, Surroundings, ThermalAxis, WarmNut, WarmPhase, celsius,
     coolant_conductance, drag_beyond_contacts,
 };
 use bsm_nut::{
@@ -137,10 +137,10 @@ fn axis(case: &Value) -> WarmNut<'static> {
     let bore = number(case, "screw_bore_mm").unwrap_or(0.0) * 1e-3;
     let section = 0.25 * PI * (length_in_m(case, "shaft_diameter_mm").powi(2) - bore * bore);
     let expansion = 11.5e-6;
-    let hold = number(case, "pretension_K").map(|kelvin| {
+    let constraint = number(case, "pretension_K").map(|kelvin| {
         let bearing = number(case, "support_bearing_stiffness_N_um").expect("stiffness") * 1e6;
         let stiffness = (length / (207e9 * section) + 2.0 / bearing).recip();
-        AxialHold {
+        AxialConstraint {
             stiffness,
             pretension: stiffness * expansion * length * kelvin,
             youngs_modulus: 207e9,
@@ -155,7 +155,7 @@ fn axis(case: &Value) -> WarmNut<'static> {
         conductivity: 45.0,
         expansion,
         bearings: [true; 2],
-        hold,
+        constraint,
     };
     let air = ambient("ambient_temperature_C", 20.0) - 20.0;
     let surroundings = Surroundings {
@@ -260,7 +260,7 @@ fn warm_states_match_the_reference() {
         held("screw_growth_um", 1e6 * network.thermal_expansion(&state.rises));
         if expect.get("screw_tension_N").is_some() {
             held("screw_tension_N", network.tension(&state.rises));
-            held("cold_tension_N", nut.axis.screw.hold.expect("held").pretension);
+            held("cold_tension_N", nut.axis.screw.constraint.expect("held").pretension);
         }
         let gain = number(expect, "loop_gain").expect("gain");
         assert_near(&format!("{id} gain"), state.gain, gain, 1e-4);
@@ -930,7 +930,7 @@ fn random_axes_have_a_steady_state_or_are_rejected_with_a_reason() {
         nut.axis.surroundings.air = rng.random_range(-30.0..30.0);
         nut.axis.surroundings.structure = nut.axis.surroundings.air + rng.random_range(-5.0..5.0);
         if rng.random_bool(0.7) {
-            nut.axis.screw.hold = None;
+            nut.axis.screw.constraint = None;
         }
         match nut.steady() {
             Ok(state) => {

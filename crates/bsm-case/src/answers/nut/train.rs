@@ -150,7 +150,7 @@ impl NutReport {
             Ok(train) => train,
             Err(why) => return Some(not_pushed(why)),
         };
-        let touch = if train.touching > 0 { "touch" } else { "do not touch" };
+        let touch = if train.touching_contacts > 0 { "touch" } else { "do not touch" };
         let needed = self.advance()?.circuits.iter().map(|circuit| circuit.needed_gap);
         // The note reports the circuit with the largest ratio of needed gap to given gap.
         let part = |gaps: &(f64, f64)| gaps.0 / gaps.1;

@@ -91,7 +91,7 @@ impl BallGaps {
             contact_friction,
             exit: Exit {
                 push,
-                bend: case.number(K::return_bend_deg) * DEG,
+                bend_angle: case.number(K::return_bend_deg) * DEG,
                 friction: case.number(K::return_friction_coefficient),
             },
             idle_drag: case.number(K::idle_ball_drag_N),

@@ -18,12 +18,12 @@ use crate::models::ball::{BALL_UNKNOWNS, ElasticContacts, Evidence, Reason, Solv
 /// unknowns. Following a curve usually takes about thirty steps. Roots are refined afterwards by
 /// Newton's method.
 const STEP_CONTROL: StepControl = StepControl {
-    first: 1.0,
-    longest: 1.0,
-    shortest: 1e-4,
+    first_step: 1.0,
+    max_step: 1.0,
+    min_step: 1e-4,
     pair_resolution: 1e-4,
     max_points: 4000,
-    goal: 1e-8,
+    residual_goal: 1e-8,
     root_tolerance: 0.05,
     jacobian: JacobianUpdate::EveryStep,
 };
@@ -31,7 +31,7 @@ const STEP_CONTROL: StepControl = StepControl {
 /// Step control for a continuation whose roots are not refined by Newton's method. The roots are
 /// accurate to rounding errors.
 const EXACT_STEP_CONTROL: StepControl =
-    StepControl { goal: 1e-15, root_tolerance: 1e-14, ..STEP_CONTROL };
+    StepControl { residual_goal: 1e-15, root_tolerance: 1e-14, ..STEP_CONTROL };
 
 /// Maximum distance between a root found by continuation and the same root after refinement by
 /// Newton's method, in units of the scales of the unknowns. The limit is twice the root tolerance
@@ -154,7 +154,7 @@ impl<'a> SlidingCurve<'a> {
             |z, way| self.events(z, way),
             |Trace { crossings, last: z, .. }| {
                 for at in &crossings[known..] {
-                    let node = if control.goal > EXACT_STEP_CONTROL.goal {
+                    let node = if control.residual_goal > EXACT_STEP_CONTROL.residual_goal {
                         let node = self.refined(at);
                         refined &= node.is_some();
                         node

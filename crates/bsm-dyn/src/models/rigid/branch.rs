@@ -80,12 +80,12 @@ pub(super) const MAX_BRANCH_STEP: f64 = 4.0;
 
 /// Step control along the branch. Step lengths are in units of the scales of the unknowns.
 const STEPS: StepControl = StepControl {
-    first: 1.0,
-    longest: MAX_BRANCH_STEP,
-    shortest: 1e-6,
+    first_step: 1.0,
+    max_step: MAX_BRANCH_STEP,
+    min_step: 1e-6,
     pair_resolution: 1e-3,
     max_points: 400,
-    goal: 1e-9,
+    residual_goal: 1e-9,
     root_tolerance: 1e-6,
     jacobian: JacobianUpdate::EveryTrial { chord_below: 1e-3 },
 };

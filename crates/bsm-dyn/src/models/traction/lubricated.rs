@@ -66,7 +66,7 @@ impl SlipBall<'_> {
         }
         crate::cost::count_search();
         let mut y = near.unknowns;
-        let control = Continuation { first: 0.25, shortest: 0.01 };
+        let control = Continuation { first_step: 0.25, min_step: 0.01 };
         let arrived = follow(&mut y, (0.0, 1.0), control, |fraction, y| {
             let report =
                 SlipBall { limits: SHARE_LIMITS, ..here.complete(fraction) }.run(y, newton).report;

@@ -30,12 +30,12 @@ const SMALL_FRICTION: f64 = 1e-3;
 /// path by about a factor of e. Points on a path need only eight digits, because they are starting
 /// values for roots. Few paths have more than a hundred points.
 pub(super) const STEP_CONTROL: StepControl = StepControl {
-    first: 0.5,
-    longest: 1.0,
-    shortest: 1e-7,
+    first_step: 0.5,
+    max_step: 1.0,
+    min_step: 1e-7,
     pair_resolution: 1e-3,
     max_points: 1000,
-    goal: 1e-8,
+    residual_goal: 1e-8,
     root_tolerance: 1e-4,
     jacobian: JacobianUpdate::EveryStep,
 };
@@ -216,7 +216,7 @@ impl SlipBall<'_> {
         let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
         // At the initial creep speed, friction is nearly proportional to the slip.
         let begin = (10.0 * self.lever(&y)).ln();
-        let control = Continuation { first: 2.0, shortest: 1e-3 };
+        let control = Continuation { first_step: 2.0, min_step: 1e-3 };
         let arrived = follow(&mut y, (begin, self.creep.ln()), control, |log, y| {
             let slippery = SlipBall { contacts: &slippery, creep: log.exp(), ..*self };
             let report = slippery.run(y, newton).report;

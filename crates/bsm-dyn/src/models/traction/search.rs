@@ -96,7 +96,7 @@ impl SlipBall<'_> {
         match path {
             PathResult::SlipRoot(root) => Ok(root),
             PathResult::OffFlank([nut, screw]) => {
-                let evidence = Evidence::Traced { resolution: STEP_CONTROL.longest };
+                let evidence = Evidence::Traced { resolution: STEP_CONTROL.max_step };
                 Err(SolveFailure::no_solution(evidence, Reason::BallLeavesFlank { nut, screw }))
             }
             PathResult::Lost => Err(SolveFailure::SEARCH_FAILED),

@@ -72,7 +72,7 @@ fn root_from_random_starts(
     (0..starts).find_map(|_| {
         let mut y = random_state(ball, rng);
         let begin = end + rng.random::<f64>() * (ball.lever(&y).ln() - end).max(0.0);
-        let control = bsm_newton::Continuation { first: 1.5, shortest: 0.05 };
+        let control = bsm_newton::Continuation { first_step: 1.5, min_step: 0.05 };
         let arrived = bsm_newton::follow(&mut y, (begin, end), control, |log, y| {
             SlipBall { creep: log.exp(), ..*ball }.run(y, &mut newton).converged()
         });

@@ -23,7 +23,7 @@ use crate::models::workspace::ModelWorkspace;
 
 /// Step control of the continuation from known to requested push forces. Step lengths are fractions
 /// of the total change of the push forces.
-const PUSH_STEPS: Continuation = Continuation { first: 1.0, shortest: 0.02 };
+const PUSH_STEPS: Continuation = Continuation { first_step: 1.0, min_step: 0.02 };
 
 /// Equations of a ball that travels at the speed of its ball train. The precession rate is given,
 /// and the force of the ball behind is unknown instead.
