@@ -73,13 +73,15 @@ mod tests {
         model::{Elastic, RacewayControl, Rigid, Traction},
     };
 
-    fn problem_for(model: Model, at: ElasticPoint) -> Problem {
+    fn problem_for(model: Model, screw: ElasticPoint) -> Problem {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         match model {
-            Model::RacewayControl => Problem::RacewayControl(RacewayControl { at, control: None }),
-            Model::Elastic => Problem::Elastic(Elastic { at }),
-            Model::Traction => Problem::Traction(Traction { at, accuracy, creep }),
-            _ => Problem::Rigid(Rigid { point: at.point }),
+            Model::RacewayControl => {
+                Problem::RacewayControl(RacewayControl { screw, control: None })
+            }
+            Model::Elastic => Problem::Elastic(Elastic { screw }),
+            Model::Traction => Problem::Traction(Traction { screw, accuracy, creep }),
+            _ => Problem::Rigid(Rigid { point: screw.point }),
         }
     }
 

@@ -27,8 +27,8 @@
 //!     drive: Drive { screw_speed: 50.0 * PI, nut_speed: 0.0 },
 //!     load: Load { axial: 8000.0, balls: 70.0 },
 //! };
-//! let at = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
-//! let problem = Problem::RacewayControl(RacewayControl { at, control: None });
+//! let screw = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
+//! let problem = Problem::RacewayControl(RacewayControl { screw, control: None });
 //! let solution = problem.solve(&mut ModelWorkspace::default());
 //!
 //! let nut = solution.contact(Site::Nut).expect("a solution");

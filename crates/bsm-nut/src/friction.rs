@@ -283,7 +283,7 @@ impl BallNut {
             ..share.point
         };
         GothicBall {
-            at: ElasticPoint { point, ..share },
+            screw: ElasticPoint { point, ..share },
             fit,
             far_friction,
             accuracy: ARCH_ACCURACY,
@@ -558,7 +558,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
     /// Returns the ball in its gothic arches, loaded by the axial force that acts on it.
     fn in_own_arches(&self, number: usize, friction: [f64; 2], play: f64) -> GothicBall {
         let mut ball = self.nut.ball_in_arches(self.found, number, (friction, play), self.drive);
-        ball.at.point.load = Load { axial: self.axial_force(number), balls: 1.0 };
+        ball.screw.point.load = Load { axial: self.axial_force(number), balls: 1.0 };
         ball
     }
 

@@ -37,7 +37,7 @@ const MIN_INERTIA: f64 = 1e-5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elastic<D = f64> {
     /// The screw at its operating point. The friction coefficient must be positive.
-    pub at: ElasticPoint<D>,
+    pub screw: ElasticPoint<D>,
 }
 
 /// Reusable buffers for solving elastic models.
@@ -235,10 +235,10 @@ impl Elastic {
     /// Solves for the steady motion of a ball in gross slip.
     pub fn solve(&self, work: &mut ElasticWorkspace) -> Solution {
         let solved = self
-            .at
+            .screw
             .point
             .require_friction()
-            .and_then(|()| self.at.scaled())
+            .and_then(|()| self.screw.scaled())
             .and_then(|contacts| self.solved(&contacts, work));
         Solution::new(Model::Elastic, solved)
     }
@@ -255,12 +255,12 @@ impl Elastic {
         work: &mut ElasticWorkspace,
     ) -> Result<SteadyState, SolveFailure> {
         let GrossSlip { state, steps, residual } = GrossSlip::of(contacts, &mut work.0)?;
-        let ball = self.at.ball_state(contacts, &state.loaded, &state.to_nut, true)?;
+        let ball = self.screw.ball_state(contacts, &state.loaded, &state.to_nut, true)?;
         let slips = state.slip.map(|slip| slip.norm());
         let friction_power =
             friction_power(contacts.directed_friction(), state.loaded.loads, slips);
         let torque = torque(&state.wrench[1], contacts.helix.radius, &state.loaded.frame);
-        let transmission = self.at.transmission_at(torque, friction_power)?;
+        let transmission = self.screw.transmission_at(torque, friction_power)?;
         let info = Some(SolveInfo { steps, residual });
         Ok(SteadyState { info, ..SteadyState::new(&ball, transmission) })
     }

@@ -38,7 +38,7 @@ use crate::models::ball::{
 pub struct GothicBall<D = f64> {
     /// Screw, ball, friction and speeds. The load of this operating point is ignored by
     /// [`solve`](GothicBall::solve), which takes an [`AxialCondition`] instead.
-    pub at: ElasticPoint<D>,
+    pub screw: ElasticPoint<D>,
     /// Axial play, radial gap and oversize of the ball in the gothic arches.
     pub fit: ArchFit<D>,
     /// Friction coefficient at the far flanks (− flanks), positive.
@@ -170,13 +170,13 @@ impl<D: Scalar> GothicBall<D> {
     /// Returns the operating point of a ball with two contacts, with the contact angle at first
     /// contact.
     fn two_contact_point(&self) -> ElasticPoint<D> {
-        self.at.fitted(self.fit.radial_gap, self.fit.oversize)
+        self.screw.fitted(self.fit.radial_gap, self.fit.oversize)
     }
 
     /// Returns the radii of the deformed contact surfaces at the nut and the screw \[m\].
     fn pressed_radii(&self) -> [D; 2] {
-        let (nut, screw) = self.at.conformity;
-        [nut, screw].map(|conformity| pressed_radius(conformity, self.at.point.ball.radius))
+        let (nut, screw) = self.screw.conformity;
+        [nut, screw].map(|conformity| pressed_radius(conformity, self.screw.point.ball.radius))
     }
 }
 
@@ -199,7 +199,7 @@ impl GothicBall {
         work: &mut GothicWorkspace,
     ) -> Result<GothicState, SolveFailure> {
         self.check()?;
-        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let grooves = Grooves::of(&self.screw, &self.fit)?;
         let at_rest = grooves.at_rest(condition, &mut work.rest)?;
         let force = match condition {
             AxialCondition::Force(axial) => axial,
@@ -225,7 +225,7 @@ impl GothicBall {
     /// far flank (AC7). The result is zero if friction does not press the ball against a far flank
     /// even without play, and `None` if two contacts cannot carry the axial force \[N\].
     pub fn threshold_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
-        let grooves = Grooves::of(&self.at, &self.fit).ok()?;
+        let grooves = Grooves::of(&self.screw, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
         threshold_play(&grooves, &two_contacts)
     }
@@ -234,7 +234,7 @@ impl GothicBall {
     /// without play and without friction (AC10). Returns `None` if two contacts cannot carry the
     /// axial force \[N\].
     pub fn compensating_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
-        let grooves = Grooves::of(&self.at, &self.fit).ok()?;
+        let grooves = Grooves::of(&self.screw, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
         let at = self.two_contact_point();
         let lead = at.point.helix.lead_angle;
@@ -250,18 +250,18 @@ impl GothicBall {
     /// contacts; it is negative if flank and ball overlap. Returns `None` if the state contains no
     /// motion or no contact ellipses.
     pub fn far_gap_on_two_contacts(&self, two_contacts: &BallState) -> Option<f64> {
-        let grooves = Grooves::of(&self.at, &self.fit).ok()?;
+        let grooves = Grooves::of(&self.screw, &self.fit).ok()?;
         Some(self.root_of(&grooves, two_contacts)?.far_gap(&grooves))
     }
 
     /// Checks that the friction coefficients are positive and that the nut and the screw have a
     /// relative speed.
     fn check(&self) -> Result<(), SolveFailure> {
-        self.at.point.require_friction()?;
+        self.screw.point.require_friction()?;
         if self.far_friction.0.is_nan() || self.far_friction.0 <= 0.0 {
             return Err(SolveFailure::invalid(Reason::Frictionless));
         }
-        if self.at.point.drive.relative_speed() == 0.0 {
+        if self.screw.point.drive.relative_speed() == 0.0 {
             return Err(SolveFailure::invalid(Reason::NoRelativeSpeed));
         }
         Ok(())
@@ -311,7 +311,7 @@ impl GothicBall {
     ///
     /// Returns [`SolveFailure`] if the ball does not fit into the grooves.
     pub fn first_touch(&self) -> Result<f64, SolveFailure> {
-        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let grooves = Grooves::of(&self.screw, &self.fit)?;
         Ok(grooves.first_touch() / grooves.lead.1)
     }
 
@@ -326,7 +326,7 @@ impl GothicBall {
         deflection: f64,
         work: &mut GothicWorkspace,
     ) -> Result<f64, SolveFailure> {
-        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let grooves = Grooves::of(&self.screw, &self.fit)?;
         let u = grooves.first_touch() / grooves.lead.1 + deflection;
         let positions = grooves.at_rest(AxialCondition::Displacement(u), &mut work.rest)?;
         Ok(grooves.axial_force(&positions))
@@ -343,7 +343,7 @@ impl GothicBall {
         axial: f64,
         work: &mut GothicWorkspace,
     ) -> Result<f64, SolveFailure> {
-        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let grooves = Grooves::of(&self.screw, &self.fit)?;
         let positions = grooves.at_rest(AxialCondition::Force(axial), &mut work.rest)?;
         Ok((positions[2] - grooves.first_touch()) / grooves.lead.1)
     }
@@ -353,7 +353,7 @@ impl GothicBall {
     #[must_use]
     pub fn back_driven(&self) -> Self {
         let mut ball = *self;
-        let drive = &mut ball.at.point.drive;
+        let drive = &mut ball.screw.point.drive;
         (drive.screw_speed, drive.nut_speed) = (-drive.screw_speed, -drive.nut_speed);
         ball
     }
@@ -364,10 +364,10 @@ impl GothicBall {
         if axial <= 0.0 {
             return None;
         }
-        let mut at = self.two_contact_point();
-        let balls = at.point.load.balls;
-        at.point.load = Load { axial: axial * balls, balls };
-        let traction = Traction { at, accuracy: self.accuracy, creep: self.creep };
+        let mut screw = self.two_contact_point();
+        let balls = screw.point.load.balls;
+        screw.point.load = Load { axial: axial * balls, balls };
+        let traction = Traction { screw, accuracy: self.accuracy, creep: self.creep };
         traction.solve(work).solved().copied()
     }
 
@@ -376,8 +376,8 @@ impl GothicBall {
         let [nut, screw] = [&found.nut, &found.screw];
         let [at_nut, at_screw] = [nut.pressed?.approach, screw.pressed?.approach];
         let Motion { precession, omega } =
-            found.motion?.relative_to(self.at.point.drive.nut_speed, &self.frame());
-        let speed = self.at.point.drive.relative_speed().abs();
+            found.motion?.relative_to(self.screw.point.drive.nut_speed, &self.frame());
+        let speed = self.screw.point.drive.relative_speed().abs();
         Some(Root {
             positions: grooves.position_for([at_nut, at_screw], [nut.angle, screw.angle]),
             motion: [precession, omega.x, omega.y, omega.z].map(|of| of / speed),
@@ -385,7 +385,7 @@ impl GothicBall {
     }
 
     fn frame(&self) -> BallFrame<f64> {
-        BallFrame::turned(self.at.point.helix.lead_angle, 0.0)
+        BallFrame::turned(self.screw.point.helix.lead_angle, 0.0)
     }
 
     fn balance<'a>(
@@ -395,13 +395,13 @@ impl GothicBall {
         at_rest: &[f64; POSITIONS],
         quadrature: &'a Quadrature,
     ) -> Balance<'a> {
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let speed = point.drive.relative_speed();
         // The precession rate of the ball is about half the speed of the screw.
         let centrifugal = point.ball.mass * point.helix.radius * (0.5 * speed).powi(2);
         let (load, approach) = grooves.largest(at_rest);
         Balance {
-            at: &self.at,
+            screw: &self.screw,
             grooves,
             condition,
             friction: [point.friction.0, self.far_friction.0],
@@ -421,7 +421,7 @@ impl GothicBall {
         unknowns: &[f64; UNKNOWNS],
         info: SolveInfo,
     ) -> Result<GothicState, SolveFailure> {
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let frame = self.frame();
         let state = balance.evaluated(unknowns);
         let ArchState { positions, approaches, pressed, .. } = &state;
@@ -463,7 +463,7 @@ impl GothicBall {
 
     /// Returns the state of one contact for a given motion of the ball relative to the nut.
     fn contact(&self, i: usize, pressed: &Pressed<f64>, to_nut: &Motion<f64>) -> FlankContact {
-        let (point, frame) = (&self.at.point, self.frame());
+        let (point, frame) = (&self.screw.point, self.frame());
         let motion = match site(i) {
             Site::Screw => to_nut.relative_to(point.drive.relative_speed(), &frame),
             Site::Nut | Site::NutUnloaded => *to_nut,
@@ -544,9 +544,9 @@ impl GothicBall {
         work: &mut GothicWorkspace,
     ) -> Result<(SteadyState, Option<Root>), SolveFailure> {
         self.check()?;
-        let load = self.at.point.load;
+        let load = self.screw.point.load;
         let condition = AxialCondition::Force(load.per_ball());
-        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let grooves = Grooves::of(&self.screw, &self.fit)?;
         let is_oversize = self.fit.oversize > 0.0;
         let two = (!is_oversize).then(|| self.two_contacts(load.per_ball(), &mut work.traction));
         let two = two.flatten();
@@ -580,7 +580,7 @@ impl GothicBall {
             axial_displacement: Some(state.axial_displacement - state.first_touch),
             threshold_play: two.and_then(|two| threshold_play(&grooves, &two)),
         };
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let speed = point.drive.relative_speed();
         let torque = state.screw_torque * load.balls;
         let transmission = Transmission::of(speed < 0.0, point.ideal_torque(), torque, speed)
@@ -618,8 +618,8 @@ impl<const M: usize> GothicBall<Jet<M>> {
         if let (_, Some(root)) = ball.steady(work)? {
             return self.third_contact_slopes(&ball, &root, work);
         }
-        let (at, Self { accuracy, creep, .. }) = (self.two_contact_point(), *self);
-        Traction { at, accuracy, creep }.sensitivities(&mut work.traction)
+        let (screw, Self { accuracy, creep, .. }) = (self.two_contact_point(), *self);
+        Traction { screw, accuracy, creep }.sensitivities(&mut work.traction)
     }
 
     /// Returns the efficiency and the torque with their derivatives with respect to the inputs, for
@@ -630,19 +630,19 @@ impl<const M: usize> GothicBall<Jet<M>> {
         root: &Root,
         work: &mut GothicWorkspace,
     ) -> Result<Performance<Jet<M>>, SolveFailure> {
-        let load = self.at.point.load;
-        let grooves = Grooves::of(&ball.at, &ball.fit)?;
-        let condition = AxialCondition::Force(ball.at.point.load.per_ball());
+        let load = self.screw.point.load;
+        let grooves = Grooves::of(&ball.screw, &ball.fit)?;
+        let condition = AxialCondition::Force(ball.screw.point.load.per_ball());
         let at_rest = grooves.at_rest(condition, &mut work.rest)?;
         let GothicWorkspace { newton, rules, .. } = work;
         let [[quadrature, _]] = rules.dry([self.accuracy]);
         let balance = ball.balance(&grooves, condition, &at_rest, quadrature);
-        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let grooves = Grooves::of(&self.screw, &self.fit)?;
         let inputs = Balance {
-            at: &self.at,
+            screw: &self.screw,
             grooves: &grooves,
             condition: AxialCondition::Force(load.per_ball()),
-            friction: [self.at.point.friction.0, self.far_friction.0],
+            friction: [self.screw.point.friction.0, self.far_friction.0],
             pressed_radius: self.pressed_radii(),
             units: balance.units,
             creep: balance.creep,
@@ -653,7 +653,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
         let unknowns = root.unknowns(balance.units.1);
         let residual = |y: &_| inputs.residual(y);
         let y = moving_root(&balance, &unknowns, &[1.0; UNKNOWNS], residual, newton)?;
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let wrench = inputs.evaluated(&y).wrench(2..FLANKS);
         let frame = BallFrame::turned(point.helix.lead_angle, Jet::from(0.0));
         // T = Σ_screw [(−r_m n) × F + M]·k                                (B7)
@@ -666,7 +666,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
     /// Returns the inputs without derivatives.
     fn values(&self) -> GothicBall {
         GothicBall {
-            at: self.at.values(),
+            screw: self.screw.values(),
             fit: self.fit.values(),
             far_friction: Coulomb(self.far_friction.0.re()),
             accuracy: self.accuracy,
@@ -751,7 +751,7 @@ impl Search<'_> {
         let [loaded, far] = [flank_pair, 1 - flank_pair].map(|i| [flank(i), flank(2 + i)]);
         let far: f64 = far.iter().map(|(load, _)| load).sum();
         let spin: f64 = loaded.iter().map(|(load, semi_axis)| load * semi_axis).sum();
-        let stops = far * self.balance.at.point.ball.radius > SPIN_STOP_RATIO * spin;
+        let stops = far * self.balance.screw.point.ball.radius > SPIN_STOP_RATIO * spin;
         Some(if stops { [rolling, unchanged] } else { [unchanged, rolling] })
     }
 
@@ -818,7 +818,7 @@ impl Search<'_> {
         balance: &Balance<'_>,
         at_rest: &[f64; POSITIONS],
     ) -> Result<Found, SolveFailure> {
-        let sign = balance.at.point.drive.relative_speed().signum();
+        let sign = balance.screw.point.drive.relative_speed().signum();
         // At the start, the ball precesses at half the speed of the screw and rolls about b,
         // because the raceways of the nut and the screw are on opposite sides of the ball.
         let motion = [0.5 * sign, 0.0, 0.0, -0.5 * sign * balance.turning()];

@@ -50,13 +50,13 @@ impl LubricatedArch {
         let Some(film) = two.film else { return Ok(*two) };
         let mean = film.mean_friction();
         let mut dry = GothicBall {
-            at: case.at,
+            screw: case.screw,
             fit: self.fit,
             far_friction: Coulomb(self.far_friction.unwrap_or(mean)),
             accuracy: case.accuracy,
             creep: case.creep,
         };
-        dry.at.point.friction = Coulomb(mean);
+        dry.screw.point.friction = Coulomb(mean);
         let found = dry.solution(&mut work.gothic).result?;
         let Some(FarFlank { gap, contact: Some(contact), two_contact_power }) = found.far_flank
         else {
@@ -66,7 +66,7 @@ impl LubricatedArch {
         let Some((dry_power, dry_two)) = powers else { return Err(SolveFailure::SEARCH_FAILED) };
         // ΔP = P(f̄) − P₂(f̄)                                               (AC12)
         let surplus = dry_power.dissipated - dry_two;
-        let point = &case.at.point;
+        let point = &case.screw.point;
         let speed = point.drive.relative_speed();
         let (torque, power) = (two.transmission.screw_torque, two.transmission.power);
         let Some((torque, power)) = torque.zip(power) else {

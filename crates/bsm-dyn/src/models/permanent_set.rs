@@ -205,8 +205,8 @@ mod tests {
     #[test]
     fn permanent_deformation_under_a_light_load_is_negligible() {
         let screw = screw_of_dong(44.0);
-        let raceway = RacewayControl { at: screw, control: None };
-        let traction = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let raceway = RacewayControl { screw, control: None };
+        let traction = Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         for o in [
             raceway.solve(&mut RacewayWorkspace::default()),
             traction.solve(&mut crate::model::TractionWorkspace::default()),
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn permanent_deformation_increases_contact_angles_and_preserves_the_force_balance() {
         let screw = screw_of_dong(24e3);
-        let raceway = RacewayControl { at: screw, control: None };
+        let raceway = RacewayControl { screw, control: None };
         let (loads, angles) = loads_and_angles(&raceway.solve(&mut RacewayWorkspace::default()));
         let deformed = screw.permanent_set(loads, angles).unwrap();
         for i in 0..2 {
@@ -250,7 +250,7 @@ mod tests {
     #[test]
     fn eq_17_of_dong_with_corrected_radical_gives_the_contact_angle_difference() {
         let screw = screw_of_dong(44.0);
-        let raceway = RacewayControl { at: screw, control: None };
+        let raceway = RacewayControl { screw, control: None };
         let (loads, angles) = loads_and_angles(&raceway.solve(&mut RacewayWorkspace::default()));
         let deformed = screw.permanent_set(loads, angles).unwrap();
         let [nut, screw_offset] = screw.grooves().map(|g| g.offset(screw.point.ball.radius));

@@ -31,7 +31,7 @@ use crate::models::ball::{
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RacewayControl<D = f64> {
     /// The screw at its operating point.
-    pub at: ElasticPoint<D>,
+    pub screw: ElasticPoint<D>,
     /// The controlling raceway; `None` selects the raceway by criterion (W7).
     pub control: Option<Control>,
 }
@@ -261,10 +261,10 @@ impl RacewayControl {
     /// Solves for the loads and contact angles, calculates the rolling motion, and integrates the
     /// friction power over the contact ellipses.
     pub fn solve(&self, work: &mut RacewayWorkspace) -> Solution {
-        let solved = self.at.scaled().and_then(|contacts| {
+        let solved = self.screw.scaled().and_then(|contacts| {
             let rolling_ball = work.rolling_ball(&contacts, self.control)?;
-            let solved = work.solved(&self.at, &contacts, &rolling_ball)?;
-            Ok(work.with_alternatives(&self.at, &contacts, &rolling_ball, self.control, &solved))
+            let solved = work.solved(&self.screw, &contacts, &rolling_ball)?;
+            Ok(work.with_alternatives(&self.screw, &contacts, &rolling_ball, self.control, &solved))
         });
         Solution::new(Model::RacewayControl, solved)
     }
@@ -379,7 +379,7 @@ mod tests {
             conformity: (0.53, 0.53),
             material: (STEEL, STEEL),
         };
-        RacewayControl { at: screw, control: None }
+        RacewayControl { screw, control: None }
     }
 
     fn solved(case: &RacewayControl) -> SteadyState {
@@ -433,7 +433,7 @@ mod tests {
         };
         let conformity = (D::from(0.52), D::from(0.53));
         RacewayControl {
-            at: ElasticPoint { point, conformity, material: (steel, steel) },
+            screw: ElasticPoint { point, conformity, material: (steel, steel) },
             control: None,
         }
     }
@@ -468,8 +468,8 @@ mod tests {
     #[test]
     fn raceway_with_the_closer_conformity_is_the_controlling_raceway() {
         let spins = |conformity| {
-            let screw = ElasticPoint { conformity, ..lin_screw(2113.0, 2000.0).at };
-            let o = solved(&RacewayControl { at: screw, control: None });
+            let screw = ElasticPoint { conformity, ..lin_screw(2113.0, 2000.0).screw };
+            let o = solved(&RacewayControl { screw, control: None });
             (slip(o.ball.nut).spin.abs(), slip(o.ball.screw).spin.abs())
         };
         // The groove with the closer conformity has the longer ellipse and the larger spin moment.
@@ -487,7 +487,7 @@ mod tests {
             lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,
             rpm in 10.0..5000.0_f64, axial in 50.0..2000.0_f64, back in any::<bool>(), nut in -0.9..0.9_f64,
         ) {
-            let base = lin_screw(axial, if back { -rpm } else { rpm }).at;
+            let base = lin_screw(axial, if back { -rpm } else { rpm }).screw;
             let speed = base.point.drive.screw_speed;
             let point = OperatingPoint {
                 helix: Helix { lead_angle: lead.to_radians(), ..base.point.helix },
@@ -496,7 +496,7 @@ mod tests {
                 ..base.point
             };
             let case = ElasticPoint { point, conformity: (f_n, f_s), ..base };
-            let o = solved(&RacewayControl { at: case, control: None });
+            let o = solved(&RacewayControl { screw: case, control: None });
             let [q_a, q_b] = [o.ball.nut, o.ball.screw].map(|c| c.load.expect("a load"));
             let (a, b) = (o.ball.nut.angle, o.ball.screw.angle);
             let rate = o.ball.motion.expect("a motion").precession;
@@ -521,10 +521,13 @@ mod tests {
     #[test]
     fn screw_without_friction_has_no_loss() {
         let screw = ElasticPoint {
-            point: OperatingPoint { friction: Coulomb(0.0), ..lin_screw(500.0, 2000.0).at.point },
-            ..lin_screw(500.0, 2000.0).at
+            point: OperatingPoint {
+                friction: Coulomb(0.0),
+                ..lin_screw(500.0, 2000.0).screw.point
+            },
+            ..lin_screw(500.0, 2000.0).screw
         };
-        let o = solved(&RacewayControl { at: screw, control: None });
+        let o = solved(&RacewayControl { screw, control: None });
         assert_relative_eq!(o.transmission.efficiency, 1.0);
     }
 
@@ -589,8 +592,8 @@ mod tests {
         };
         let still = lin_screw(100.0, 0.0);
         assert_eq!(failure_of(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
-        let screw = ElasticPoint { conformity: (5.0, 0.53), ..lin_screw(100.0, 100.0).at };
-        let (status, reason) = failure_of(&RacewayControl { at: screw, control: None });
+        let screw = ElasticPoint { conformity: (5.0, 0.53), ..lin_screw(100.0, 100.0).screw };
+        let (status, reason) = failure_of(&RacewayControl { screw, control: None });
         assert_eq!(status, Status::InvalidInput);
         assert!(matches!(reason, Reason::CurvaturesNotHertzian { .. }), "{reason:?}");
     }

@@ -179,7 +179,7 @@ mod tests {
     fn static_ball_agrees_with_raceway_control_at_low_speed() {
         for axial in [10.0, 6340.0, 90e3] {
             let screw = screw(axial, 1e-4);
-            let solved = RacewayControl { at: screw, control: None }
+            let solved = RacewayControl { screw, control: None }
                 .solve(&mut RacewayWorkspace::default())
                 .result
                 .expect("a slow ball");

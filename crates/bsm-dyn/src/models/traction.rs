@@ -31,7 +31,7 @@ use crate::models::raceway_control::{RollingBall, STATIC_UNKNOWNS};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Traction<D = f64> {
     /// Screw at its operating point; the friction coefficient must be positive.
-    pub at: ElasticPoint<D>,
+    pub screw: ElasticPoint<D>,
     /// Permitted quadrature error divided by the friction force (dimensionless), positive.
     pub accuracy: f64,
     /// Creep speed `$v_e$` divided by `$r_b |W|$` (dimensionless), positive.
@@ -65,8 +65,8 @@ impl Traction {
     /// requested accuracy. If either step fails, a search with a finer quadrature, which includes
     /// continuation, decides whether a root exists.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
-        let found = self.at.point.require_friction().and_then(|()| {
-            let contacts = self.at.scaled()?;
+        let found = self.screw.point.require_friction().and_then(|()| {
+            let contacts = self.screw.scaled()?;
             let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
             let start = Start::new(&contacts, rolling_ball.ok().as_ref())?;
             Ok(self.found(&start, None, work).map_err(NotFound::failure)?.solved)
@@ -193,8 +193,8 @@ impl Traction {
     ) -> Result<SteadyState, SolveFailure> {
         let RootWithPower { root, transmitted, loaded, .. } = found;
         let to_nut = ball.of(root).motion_to_nut(&root.unknowns, loaded);
-        let state = self.at.ball_state(ball.contacts, loaded, &to_nut, true)?;
-        let transmission = self.at.transmission_at(transmitted.torque, transmitted.power)?;
+        let state = self.screw.ball_state(ball.contacts, loaded, &to_nut, true)?;
+        let transmission = self.screw.transmission_at(transmitted.torque, transmitted.power)?;
         Ok(SteadyState::new(&state, transmission))
     }
 
@@ -206,8 +206,8 @@ impl Traction {
     /// Returns [`SolveFailure`] if the model does not accept the inputs, if the branch cannot be
     /// followed to its end, or if a root on the branch cannot be refined.
     pub fn branch(&self, work: &mut TractionWorkspace) -> Result<Vec<SteadyState>, SolveFailure> {
-        self.at.point.require_friction()?;
-        let contacts = self.at.scaled()?;
+        self.screw.point.require_friction()?;
+        let contacts = self.screw.scaled()?;
         let TractionWorkspace { newton, rules, .. } = work;
         let [[search, _], [rule, _]] = rules.dry([SEARCH_ACCURACY, self.accuracy]);
         let creep = self.creep * contacts.slip_scale();

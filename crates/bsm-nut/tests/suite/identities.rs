@@ -399,9 +399,8 @@ fn friction_of_equally_loaded_balls_is_proportional_to_their_number() {
     let mut work = ModelWorkspace::default();
     let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
     let found = nut.solve(&Support::guided(6340.0)).expect("carried");
-    let mut rolling = |screw| {
-        Problem::RacewayControl(RacewayControl { at: screw, control: None }).solve(&mut work)
-    };
+    let mut rolling =
+        |screw| Problem::RacewayControl(RacewayControl { screw, control: None }).solve(&mut work);
     let all = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, &mut rolling);
     // `solves` counts how many balls are solved. All balls carry the same load, so only one of them
     // is solved.

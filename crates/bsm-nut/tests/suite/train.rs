@@ -84,7 +84,7 @@ impl Case {
     }
 
     fn model(&self, at: ElasticPoint) -> Problem {
-        let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let traction = Traction { screw: at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let Some(kelvin) = self.oil else { return Problem::Traction(traction) };
         let lubricant = oil_68(kelvin).expect("an oil");
         Problem::Lubricated(LubricatedBall {

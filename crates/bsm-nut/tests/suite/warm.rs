@@ -72,7 +72,7 @@ fn friction_with_oil(
     thread_local!(static WORK: RefCell<ModelWorkspace> = RefCell::default());
     let lubricant = oil_68(oil)?;
     let solve = |at: ElasticPoint| {
-        let rolling = RacewayControl { at, control: Some(Control::Nut) };
+        let rolling = RacewayControl { screw: at, control: Some(Control::Nut) };
         let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
         WORK.with_borrow_mut(|work| LubricatedBall { lubricant, model }.solve(work))
     };
@@ -801,7 +801,8 @@ fn friction_interpolated_between_loads_matches_the_sum_over_all_balls() {
     let found = warm.solve(&Support::guided(1500.0)).expect("carried");
     let drive = Drive { screw_speed: 80.0, nut_speed: 0.0 };
     let solve = |at: ElasticPoint| {
-        RacewayControl { at, control: Some(Control::Nut) }.solve(&mut RacewayWorkspace::default())
+        RacewayControl { screw: at, control: Some(Control::Nut) }
+            .solve(&mut RacewayWorkspace::default())
     };
     let friction = FlankFriction::equal(0.06);
     let sum = warm.friction_sum(&found, friction, &drive, BETWEEN_LOADS, &[], |at, _| solve(at));
@@ -833,7 +834,7 @@ fn friction_is_continuous_when_balls_lose_their_load() {
         let lubricant = oil_68(320.0).expect("an oil");
         let mut work = ModelWorkspace::default();
         let solve = |at: ElasticPoint| {
-            let rolling = RacewayControl { at, control: Some(Control::Nut) };
+            let rolling = RacewayControl { screw: at, control: Some(Control::Nut) };
             let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
             LubricatedBall { lubricant, model }.solve(&mut work)
         };

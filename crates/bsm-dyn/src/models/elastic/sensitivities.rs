@@ -13,8 +13,8 @@ impl<const M: usize> Elastic<Jet<M>> {
         &self,
         ElasticWorkspace(newton): &mut ElasticWorkspace,
     ) -> Result<Performance<Jet<M>>, SolveFailure> {
-        self.at.point.require_friction()?;
-        let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
+        self.screw.point.require_friction()?;
+        let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
         let (root, ..) = find(&point, newton)?;
         inertia_limit(inertia_factor(&point, &root), |factor| {
             let (inputs, point) = (inputs.with_inertia(factor), point.with_inertia(factor));
@@ -23,7 +23,7 @@ impl<const M: usize> Elastic<Jet<M>> {
             let residual = |y: &_| GrossSlipEquations(&inputs).residual(y);
             let y = moving_root(&GrossSlipEquations(&point), &root, &weights, residual, newton)?;
             let state = GrossSlipEquations(&inputs).state(&y).map_err(domain_error)?;
-            Ok(self.at.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
+            Ok(self.screw.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
         })
     }
 }

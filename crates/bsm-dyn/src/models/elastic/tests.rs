@@ -238,7 +238,7 @@ fn solution_exists_if_nut_and_screw_rotate_at_nearly_equal_speeds() {
         let speed = screw.point.drive.relative_speed();
         let apart = rng.log_uniform(1e-12, 0.1);
         screw.point.drive = bsm_kin::Drive { screw_speed: speed, nut_speed: speed * (1.0 - apart) };
-        let solution = Elastic { at: screw }.solve(&mut work);
+        let solution = Elastic { screw }.solve(&mut work);
         converged += usize::from(solution.status() == Status::Converged);
         if let Some(Reason::NoSkidAtInertia { inertia_ratio, min, max }) = solution.reason() {
             assert!(!(min..=max).contains(&inertia_ratio), "{inertia_ratio} {min} {max} {screw:?}");

@@ -46,7 +46,7 @@ pub(super) struct FrozenRules([OnceCell<FrozenRule>; FLANKS]);
 /// lengths by a reference approach, and speeds by `$|W|$`.
 #[derive(Clone, Copy)]
 pub(super) struct Balance<'a, P = f64> {
-    pub(super) at: &'a ElasticPoint<P>,
+    pub(super) screw: &'a ElasticPoint<P>,
     pub(super) grooves: &'a Grooves<P>,
     pub(super) condition: AxialCondition<P>,
     /// Friction coefficients at the + and − flanks.
@@ -141,7 +141,7 @@ impl<P: Scalar> Balance<'_, P> {
     /// flanks.
     #[inline(always)]
     fn press<S: Simd, D: Integrate<P>>(&self, simd: S, state: &mut ArchState<D>) {
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let radius = point.ball.radius;
         let speed = (radius * magnitude(point.drive.relative_speed())).re();
         let positions = state.positions;
@@ -200,7 +200,7 @@ impl<P: Scalar> Balance<'_, P> {
         &FlankApproach { approach, normal: [b, n], .. }: &FlankApproach<D>,
         (rate, omega): (D, [D; 3]),
     ) -> (Pressed<D>, Patch<D>) {
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let (zero, radius) = (approach.constant(0.0), point.ball.radius);
         let arc = point.helix.arc_length_per_radian();
         // At the nut, the normal (K9) has the components sinβ along b and cosβ along n. At the
@@ -233,7 +233,7 @@ impl<P: Scalar> Balance<'_, P> {
     /// Adds up the forces and moments on the ball, and stores the scaled residuals.
     #[inline(always)]
     fn add_up<D: Over<P>>(&self, y: &[D; UNKNOWNS], state: &mut ArchState<D>) {
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let zero = y[0].constant(0.0);
         let (mut force, mut moment, mut axial) = ([zero; 3], [zero; 3], zero);
         let (sin_lead, cos_lead) = self.grooves.lead;
@@ -295,7 +295,7 @@ impl<P: Scalar> Balance<'_, P> {
 impl Balance<'_> {
     /// Returns the approximate angular speed of a rolling ball, divided by `$|W|$`.
     pub(super) fn turning(&self) -> f64 {
-        self.at.point.helix.arc_length_per_radian() / self.at.point.ball.radius
+        self.screw.point.helix.arc_length_per_radian() / self.screw.point.ball.radius
     }
 
     /// Returns the motion, divided by `$|W|$`, of a ball that rolls on both loaded flanks without
@@ -306,7 +306,7 @@ impl Balance<'_> {
         flank_pair: usize,
         motion: [f64; 4],
     ) -> [f64; 4] {
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let (arc, radius) = (point.helix.arc_length_per_radian(), point.ball.radius);
         let (sign, cos_lead) = (point.drive.relative_speed().signum(), self.grooves.lead.1);
         // `nut` and `screw` are the components of t × N along b at the nut and the screw.
@@ -328,7 +328,7 @@ impl Balance<'_> {
         let of_nut = friction(0) + friction(1);
         let of_screw = friction(2) + friction(3);
         let (point, frame) =
-            (&self.at.point, BallFrame::turned(self.at.point.helix.lead_angle, 0.0));
+            (&self.screw.point, BallFrame::turned(self.screw.point.helix.lead_angle, 0.0));
         let rate = rate * point.drive.relative_speed().abs() + point.drive.nut_speed;
         let sum =
             of_nut + of_screw - frame.n * (point.ball.mass * point.helix.radius * rate * rate);

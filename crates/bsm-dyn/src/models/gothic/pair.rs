@@ -121,7 +121,7 @@ impl GothicPair {
         if (driving.axial_force - back_driven.axial_force - external).abs() > 1e-6 * force {
             return Err(lifted);
         }
-        let speed = self.driving.at.point.drive.relative_speed().abs();
+        let speed = self.driving.screw.point.drive.relative_speed().abs();
         // T_f = (P_d + P_b)/|W|                                           (AC9)
         let friction_torque = (driving.friction_power() + back_driven.friction_power()) / speed;
         Ok(RunningPair { driving, back_driven, friction_torque })

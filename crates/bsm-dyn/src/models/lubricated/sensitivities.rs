@@ -42,8 +42,8 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
     pub(crate) fn values(&self) -> LubricatedBall {
         let model = match &self.model {
             LubricatedModel::RacewayControl(case, friction) => {
-                let (screw, control) = (case.at.values(), case.control);
-                LubricatedModel::RacewayControl(RacewayControl { at: screw, control }, *friction)
+                let (screw, control) = (case.screw.values(), case.control);
+                LubricatedModel::RacewayControl(RacewayControl { screw, control }, *friction)
             }
             LubricatedModel::Traction(case) => LubricatedModel::Traction(case.values()),
         };

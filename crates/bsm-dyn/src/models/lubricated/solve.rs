@@ -96,8 +96,8 @@ impl<D: Scalar> LubricatedBall<D> {
     /// Returns the screw at its operating point.
     pub(crate) fn screw(&self) -> &ElasticPoint<D> {
         match &self.model {
-            LubricatedModel::RacewayControl(case, _) => &case.at,
-            LubricatedModel::Traction(case) => &case.at,
+            LubricatedModel::RacewayControl(case, _) => &case.screw,
+            LubricatedModel::Traction(case) => &case.screw,
         }
     }
 
@@ -168,7 +168,7 @@ impl LubricatedBall {
     ) -> Option<TrainBall> {
         let LubricatedModel::Traction(case) = &self.model else { return None };
         let Temperature::Known(kelvin) = self.lubricant.temperature else { return None };
-        let ehl = EhlPoint::new(&case.at, &self.lubricant, kelvin).ok()?;
+        let ehl = EhlPoint::new(&case.screw, &self.lubricant, kelvin).ok()?;
         TrainBall::of(case, Some(&ehl), free, contact_friction, work)
     }
 

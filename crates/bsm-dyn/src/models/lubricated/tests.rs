@@ -62,14 +62,11 @@ fn vg_68() -> Lubricant {
 
 fn traction(screw: ElasticPoint) -> LubricatedModel {
     let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
-    LubricatedModel::Traction(Traction { at: screw, accuracy, creep })
+    LubricatedModel::Traction(Traction { screw, accuracy, creep })
 }
 
 fn rolling_ball(screw: ElasticPoint) -> LubricatedModel {
-    LubricatedModel::RacewayControl(
-        RacewayControl { at: screw, control: None },
-        RacewayFriction::Local,
-    )
+    LubricatedModel::RacewayControl(RacewayControl { screw, control: None }, RacewayFriction::Local)
 }
 
 fn solved(lubricant: Lubricant, model: LubricatedModel) -> SteadyState {
@@ -216,7 +213,7 @@ fn very_rough_surfaces_have_a_constant_friction_coefficient() {
         let lubricated = solved(lubricant, traction(screw)).transmission.efficiency;
         screw.point.friction = Coulomb(0.12);
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
-        let dry = Traction { at: screw, accuracy, creep };
+        let dry = Traction { screw, accuracy, creep };
         let dry = dry.solve(&mut crate::model::TractionWorkspace::default());
         // The tolerance allows for the quadrature errors of both efficiencies.
         assert_relative_eq!(lubricated, dry.efficiency().unwrap(), max_relative = 1e-7);
@@ -315,7 +312,7 @@ fn single_friction_coefficient_per_contact_changes_the_loss_by_a_few_percent() {
     for _ in 0..400 {
         let (screw, lubricant) = random_typical_point(&mut rng);
         let fast = LubricatedModel::RacewayControl(
-            RacewayControl { at: screw, control: None },
+            RacewayControl { screw, control: None },
             RacewayFriction::PerContact,
         );
         let [local, fast] = [rolling_ball(screw), fast].map(|model| {
@@ -440,11 +437,11 @@ fn lubricated_solves_take_longer_than_dry_solves() {
         let mut dry = screw;
         dry.point.friction = Coulomb(friction);
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
-        let dry_traction = Traction { at: dry, accuracy, creep };
-        let dry_raceway = RacewayControl { at: dry, control: None };
+        let dry_traction = Traction { screw: dry, accuracy, creep };
+        let dry_raceway = RacewayControl { screw: dry, control: None };
         let raceway = LubricatedBall { lubricant, model: rolling_ball(screw) };
         let at_once = LubricatedModel::RacewayControl(
-            RacewayControl { at: screw, control: None },
+            RacewayControl { screw, control: None },
             RacewayFriction::PerContact,
         );
         let at_once = LubricatedBall { lubricant, model: at_once };

@@ -128,9 +128,9 @@ impl LubricatedBall {
         lubricant.oil.pressure_viscosity = Some(alpha * factor(7));
         let model = if model == Model::Traction {
             let (accuracy, creep) = (ACCURACY, Traction::<f64>::CREEP);
-            LubricatedModel::Traction(Traction { at: screw, accuracy, creep })
+            LubricatedModel::Traction(Traction { screw, accuracy, creep })
         } else {
-            let case = RacewayControl { at: screw, control: None };
+            let case = RacewayControl { screw, control: None };
             LubricatedModel::RacewayControl(case, RacewayFriction::PerContact)
         };
         Self { lubricant, model }

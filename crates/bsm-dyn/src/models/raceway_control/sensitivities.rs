@@ -26,7 +26,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
             let nodes = [Placement::from(rule); 2];
             let creep = RacewayControl::<f64>::CREEP;
             let [nut, screw] = inputs.friction_powers(&loaded, &to_nut, creep, nodes);
-            let (ideal, torque) = self.at.rolling_torques(nut + screw);
+            let (ideal, torque) = self.screw.rolling_torques(nut + screw);
             [efficiency(inputs.direction.is_back(), ideal, torque), torque]
         };
         // Derivatives need a finer quadrature rule, because they neglect the motion of the
@@ -42,7 +42,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         &self,
         newton: &mut Workspace<STATIC_UNKNOWNS>,
     ) -> Result<BallInMotion<Jet<M>>, SolveFailure> {
-        let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
+        let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
         let RollingBall { control, unknowns, .. } = RollingBall::of(&point, self.control, newton)?;
         let system = Balance::new(&point, control);
         let equations = Balance::new(&inputs, control);

@@ -104,7 +104,7 @@ impl Traction {
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
     ) -> Result<ScaledRoot, SolveFailure> {
-        let contacts = self.at.scaled()?;
+        let contacts = self.screw.scaled()?;
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
         let Start { rolling_ball, .. } = Start::new(&contacts, rolling_ball.ok().as_ref())?;
         let creep = self.creep * contacts.slip_scale();
@@ -176,7 +176,7 @@ impl Traction {
             ehl.loss_of(i, (&contacts, &loaded), &motions[i], creep, transmitted.sliding[i])
         });
         let unit = contacts.unit_powers(&loaded, &to_nut, creep, [0, 1].map(|i| ball.nodes(i)));
-        let torque = transmitted.torque * self.at.point.units().torque;
+        let torque = transmitted.torque * self.screw.point.units().torque;
         let info = SolveInfo { steps, residual: root.residual };
         let steady = LubricatedState { loaded, to_nut, losses, torque };
         let (skid, error) = (rolling_ball.skid(&contacts), Some(error));
@@ -187,8 +187,8 @@ impl Traction {
 impl<const M: usize> Traction<Jet<M>> {
     /// Returns the inputs of the model without derivatives.
     pub(crate) fn values(&self) -> Traction {
-        let Self { at, accuracy, creep } = *self;
-        Traction { at: at.values(), accuracy, creep }
+        let Self { screw, accuracy, creep } = *self;
+        Traction { screw: screw.values(), accuracy, creep }
     }
 
     /// Returns the operating point in scaled units and the steady state of the lubricated ball,
@@ -205,7 +205,7 @@ impl<const M: usize> Traction<Jet<M>> {
         values: &EhlPoint,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
     ) -> Result<(ElasticContacts<Jet<M>>, LubricatedState<Jet<M>>), SolveFailure> {
-        let inputs = self.at.scaled()?;
+        let inputs = self.screw.scaled()?;
         let ScaledRoot { contacts, refined: RootWithPower { root, .. }, frozen_rules, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;
         let creep = self.creep * contacts.slip_scale();
@@ -227,7 +227,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let losses = std::array::from_fn(|i| {
             ehl.loss_of(i, (&inputs, &loaded), &motions[i], creep, found.sliding[i])
         });
-        let torque = found.torque * self.at.point.units().torque;
+        let torque = found.torque * self.screw.point.units().torque;
         Ok((inputs, LubricatedState { loaded, to_nut, losses, torque }))
     }
 }

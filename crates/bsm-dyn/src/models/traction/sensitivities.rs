@@ -21,12 +21,12 @@ impl<const M: usize> Traction<Jet<M>> {
         &self,
         work: &mut TractionWorkspace,
     ) -> Result<Performance<Jet<M>>, SolveFailure> {
-        let at = self.at.values();
-        at.point.require_friction()?;
-        let contacts = at.scaled()?;
+        let screw = self.screw.values();
+        screw.point.require_friction()?;
+        let contacts = screw.scaled()?;
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
         let start = Start::new(&contacts, rolling_ball.ok().as_ref())?;
-        let case = Traction { at, accuracy: self.accuracy, creep: self.creep };
+        let case = Traction { screw, accuracy: self.accuracy, creep: self.creep };
         let root = case.found(&start, None, work).map_err(NotFound::failure)?.root;
         self.sensitivities_at(&root, work)
     }
@@ -38,7 +38,7 @@ impl<const M: usize> Traction<Jet<M>> {
         root: &SlipRoot,
         work: &mut TractionWorkspace,
     ) -> Result<Performance<Jet<M>>, SolveFailure> {
-        let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
+        let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
         let TractionWorkspace { newton, rules, .. } = work;
         let [[quadrature, _]] = rules.dry([self.accuracy]);
         let creep = self.creep * point.slip_scale();
@@ -48,6 +48,6 @@ impl<const M: usize> Traction<Jet<M>> {
         let residual = |y: &_| equations.residual(y);
         let y = moving_root(&system, unknowns, &system.weights(unknowns), residual, newton)?;
         let torque = equations.evaluated(&y).map_err(domain_error)?.torque;
-        Ok(self.at.transmitted_torque(&inputs, torque))
+        Ok(self.screw.transmitted_torque(&inputs, torque))
     }
 }

@@ -26,7 +26,7 @@ fn random_extreme_point(seed: u64, number: u64) -> ElasticPoint {
 }
 
 fn solved(screw: ElasticPoint, work: &mut TractionWorkspace) -> Solution {
-    Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP }.solve(work)
+    Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP }.solve(work)
 }
 
 /// Returns random unknowns of a ball that approximately rolls or orbits very slowly.
@@ -170,7 +170,7 @@ fn equations_have_the_same_roots_in_both_sets_of_unknowns() {
         }
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
         let start = Start::new(&contacts, rolling_ball.ok().as_ref()).unwrap();
-        let case = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let case = Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let SlipResult { root, solved, .. } = case.found(&start, None, &mut work).unwrap();
         let creep = Traction::CREEP * contacts.slip_scale();
         let [[quadrature, _]] = work.rules.dry([Traction::ACCURACY]);
@@ -202,7 +202,7 @@ fn count_violated_error_bounds(seed: u64, points: usize) -> (usize, [usize; 3], 
     for _ in 0..points {
         let screw = random_practical_screw(&mut rng);
         let mut solved = |accuracy| {
-            let case = Traction { at: screw, accuracy, creep: Traction::CREEP };
+            let case = Traction { screw, accuracy, creep: Traction::CREEP };
             case.solve(&mut work).result.ok()
         };
         let Some(exact) = solved(1e-12) else { continue };
@@ -250,7 +250,7 @@ fn first_motion_on_the_branch_is_the_reported_motion() {
     let mut compared = 0;
     for _ in 0..60 {
         let at = random_practical_screw(&mut rng);
-        let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let traction = Traction { screw: at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let Ok(reported) = traction.solve(&mut work).result else { continue };
         let branch = traction.branch(&mut work).expect("a complete branch");
         let [found, expected] = [branch[0], reported].map(|state| state.transmission.efficiency);

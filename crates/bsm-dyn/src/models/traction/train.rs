@@ -195,10 +195,10 @@ impl TrainBall {
         contact_friction: f64,
         work: &mut ModelWorkspace,
     ) -> Option<Self> {
-        let point = case.at.point;
+        let point = case.screw.point;
         let units = point.units();
         let ResultUnits { load, speed, .. } = units;
-        let contacts = case.at.scaled().ok()?;
+        let contacts = case.screw.scaled().ok()?;
         let creep = case.creep * contacts.slip_scale();
         let [nut, screw] = [&free.nut, &free.screw];
         let loads = [nut.load? / load, screw.load? / load];
