@@ -194,7 +194,7 @@ const MAX_EASY_STEPS: usize = 4;
 /// Source: Allgower and Georg, *Introduction to Numerical Continuation Methods*, ch. 2 and 6. The
 /// guard (N14) is our own.
 pub fn trace<const N: usize, const M: usize, const K: usize, F: CurveEquations<N, M>>(
-    homotopy: &F,
+    equations: &F,
     seed: &Seed<M>,
     events: impl FnMut(&[f64; M], &[f64; M]) -> [(f64, f64); K],
     on: impl FnMut(&Trace<M>) -> bool,
@@ -203,12 +203,12 @@ pub fn trace<const N: usize, const M: usize, const K: usize, F: CurveEquations<N
     const { assert!(M == N + 1, "a curve needs one more unknown than equations") };
     let (crossings, end) = (Vec::new(), PathEnd::MaxPoints);
     let trace = Trace { crossings, last: seed.z, end, points: 0, unresolved: 0, steps: 0 };
-    Tracer { homotopy, events, on, control, work: Workspace::default(), trace }.run(seed)
+    Tracer { equations, events, on, control, work: Workspace::default(), trace }.run(seed)
 }
 
 /// Equations of a curve, together with a plane that intersects it.
 struct OnPlane<'a, const N: usize, const M: usize, F> {
-    homotopy: &'a F,
+    equations: &'a F,
     foot: [f64; M],
     normal: [f64; M],
 }
@@ -228,11 +228,11 @@ impl<const N: usize, const M: usize, F: CurveEquations<N, M>> Equations<M>
     type Slopes = ();
 
     fn residual(&self, z: &[f64; M]) -> Result<([f64; M], ()), EvalError> {
-        Ok((self.values(z, &self.homotopy.residual(z)?), ()))
+        Ok((self.values(z, &self.equations.residual(z)?), ()))
     }
 
     fn linearize(&self, z: &[f64; M], rows: &mut [[f64; M]; M]) -> Linearized<M, Self> {
-        let (residual, known) = self.homotopy.linearize(z)?;
+        let (residual, known) = self.equations.linearize(z)?;
         rows[..N].copy_from_slice(&known);
         rows[N] = self.normal;
         Ok((self.values(z, &residual), (), ()))
@@ -249,7 +249,7 @@ struct Node<const M: usize, const K: usize> {
 }
 
 struct Tracer<'a, const N: usize, const M: usize, F, E, D> {
-    homotopy: &'a F,
+    equations: &'a F,
     events: E,
     on: D,
     control: &'a StepControl,
@@ -274,7 +274,7 @@ where
     /// Returns the first point of the path and the orientation of the path relative to the
     /// direction of (N8), which is 1 or -1.
     fn begin(&mut self, seed: &Seed<M>) -> Option<(Node<M, K>, f64)> {
-        let sizes = self.homotopy.sizes(&seed.z);
+        let sizes = self.equations.sizes(&seed.z);
         let across = unit(&seed.towards, &sizes);
         let (z, _) = self.corrected(&seed.z, &across, &sizes)?;
         let along = dot(&self.work.direction()?, &normal(&across, &sizes));
@@ -291,7 +291,7 @@ where
         sizes: &[f64; M],
     ) -> Option<([f64; M], usize)> {
         let plane =
-            OnPlane { homotopy: self.homotopy, foot: *foot, normal: normal(direction, sizes) };
+            OnPlane { equations: self.equations, foot: *foot, normal: normal(direction, sizes) };
         let scales = Scales { x: &sizes.map(f64::recip), f: &self.weights(foot) };
         let residual_goal = self.control.residual_goal;
         let convergence = Convergence {
@@ -312,7 +312,7 @@ where
     }
 
     fn weights(&self, z: &[f64; M]) -> [f64; M] {
-        let weights = self.homotopy.weights(z);
+        let weights = self.equations.weights(z);
         from_fn(|i| if i < N { weights[i] } else { 1.0 })
     }
 
@@ -322,7 +322,7 @@ where
     /// The tangent is calculated from the last Jacobian of the correction, which was evaluated at
     /// this point or at a nearby iterate.
     fn node(&mut self, z: &[f64; M], orientation: f64) -> Option<Node<M, K>> {
-        let sizes = self.homotopy.sizes(z);
+        let sizes = self.equations.sizes(z);
         let direction = self.work.direction()?;
         let direction = unit(&direction.map(|t| t * orientation), &sizes);
         let events = (self.events)(z, &direction);

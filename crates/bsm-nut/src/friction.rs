@@ -89,7 +89,7 @@ impl BallModel {
     /// Returns the model of a solution and the choices of this model, or `None` if there is no
     /// solution.
     fn of(solution: &Solution) -> Option<Self> {
-        let solved = solution.solved()?;
+        let solved = solution.steady_state()?;
         let accuracy = solution.choice.and_then(|choice| match choice.basis {
             Basis::Integrated { accuracy } => Some(accuracy),
             _ => None,
@@ -541,7 +541,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
     ) -> Option<FreeBall> {
         let dry_ball = self.in_own_arches(number, friction, play);
         let found = dry_ball.solution(&mut self.arches);
-        let solved = found.solved()?;
+        let solved = found.steady_state()?;
         let Some(far) = solved.far_flank.filter(|far| far.contact.is_some()) else {
             return Some(*free);
         };
@@ -622,7 +622,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         let signed = alone.point.drive.relative_speed();
         let speed = signed.abs();
         let solution = (self.solve)(alone);
-        let solved = solution.solved()?;
+        let solved = solution.steady_state()?;
         let torque = solved.transmission.screw_torque?;
         let of_film = |power: fn(&OutsidePower) -> f64| {
             solved.film.map_or(0.0, |film| power(&film.outside) / speed)

@@ -160,7 +160,7 @@ pub struct CircuitTrain {
     pub flux: f64,
     /// Push forces between balls at the two ends of the loaded part \[N\]: at the exit, then at the
     /// entry.
-    pub ends: [f64; 2],
+    pub end_pushes: [f64; 2],
     /// Loaded and idle balls, in the order of the circuit.
     pub balls: Vec<BallOfTrain>,
 }
@@ -416,7 +416,7 @@ impl BallNut {
                 flow.rolling().map(|ball| ball.free().raceway_power).sum::<f64>() / speed.abs();
             lost += raceways + contacts + returns + catching;
             put_in += flow.power_in(&pass);
-            let [exit, _] = circuit.ends;
+            let [exit, _] = circuit.end_pushes;
             let pushes = circuit.balls.iter().flat_map(|ball| ball.pushes).chain([exit]);
             train.largest_push = pushes.fold(train.largest_push, f64::max);
             train.touching_contacts +=
@@ -877,7 +877,7 @@ impl Flow<'_> {
             rate: pass.rate,
             // Φ = p_c |W|/θ_c                                             (O8)
             flux: pass.rate * self.speed.abs() / self.touch_angle,
-            ends: [pass.exit, pass.entry()],
+            end_pushes: [pass.exit, pass.entry()],
             balls,
         }
     }

@@ -80,7 +80,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         }
         let solution = Problem::Traction(traction).solve(&mut work);
-        let regime = solution.solved().and_then(|solved| solved.skid?.regime());
+        let regime = solution.steady_state().and_then(|solved| solved.skid?.regime());
         let count = counts.iter_mut().find(|(counted, _)| Some(*counted) == regime);
         if let Some((_, count)) = count.filter(|(_, count)| *count < each) {
             *count += 1;

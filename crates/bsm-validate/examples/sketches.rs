@@ -238,7 +238,7 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     let problem = case.problem(&settings)?;
     let Problem::Traction(traction) = problem else { unreachable!("the model was fixed") };
     let solution = problem.solve(&mut ModelWorkspace::default());
-    let ball = solution.solved().ok_or("the example has no solution")?.ball;
+    let ball = solution.steady_state().ok_or("the example has no solution")?.ball;
     let motion = ball.motion.ok_or("no motion")?;
     let (a, b) = ball.nut.pressed.ok_or("no ellipse")?.semi_axes;
     let angle = ball.nut.angle;

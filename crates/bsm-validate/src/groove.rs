@@ -444,7 +444,7 @@ fn friction_torque(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64
     if let Some(reason) = solution.reason() {
         return Err(reason.clone());
     }
-    let torque = solution.solved().and_then(|solved| solved.transmission.screw_torque);
+    let torque = solution.steady_state().and_then(|solved| solved.transmission.screw_torque);
     let torque =
         torque.expect("every model that auto can choose calculates the torque of a turning screw");
     Ok(torque - lead / TAU * load)

@@ -104,7 +104,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         case.nut_conformity.zip(case.screw_conformity).map_or(f64::NAN, |(n, s)| n + s - 1.0);
     let length = 2.0 * radius * offsets;
     let displacement =
-        solution.solved().and_then(|s| s.ball.axial_displacement).unwrap_or(f64::NAN);
+        solution.steady_state().and_then(|s| s.ball.axial_displacement).unwrap_or(f64::NAN);
     let binormal = displacement * problem.screw.point.helix.lead_angle.cos();
     let (sin, cos) = problem.screw.point.contact_angle.sin_cos();
     let off = [radial - length * cos, axial - length * sin - binormal];
@@ -133,7 +133,7 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
     let number = |name: OutputName| report.number(name).unwrap_or(f64::NAN);
     let (mut value, mut slope): (f64, f64) = (0.0, 0.0);
     if let (Some(motion), Ok(bsm_dyn::Problem::Traction(traction))) =
-        (solution.solved().and_then(|solved| solved.ball.motion), case.problem(&settings))
+        (solution.steady_state().and_then(|solved| solved.ball.motion), case.problem(&settings))
     {
         let (helix, radius, drive) = (
             traction.screw.point.helix,

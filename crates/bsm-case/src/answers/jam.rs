@@ -335,7 +335,7 @@ impl Friction {
         (ball, screw): (&SteadyBall<f64>, &MovingContact),
         dry: f64,
     ) -> Self {
-        let Some(film) = solution.solved().and_then(|solved| solved.film) else {
+        let Some(film) = solution.steady_state().and_then(|solved| solved.film) else {
             return Self { moving: [dry; 2], stopped: dry, rest: dry };
         };
         // μ_s = μ(¾ p_max, |V_s|)                                         (M23)

@@ -736,7 +736,7 @@ impl NutProblem {
             let solution = self.of_ball(source, balls, screw).solve(&mut work);
             models.push(solution.model.name());
             if solution.model == Model::RacewayControl {
-                let skid = solution.solved().and_then(|solved| solved.skid);
+                let skid = solution.steady_state().and_then(|solved| solved.skid);
                 let of_ball = skid.and_then(|skid| skid.onset_number());
                 onset = onset.into_iter().chain(of_ball).reduce(f64::max);
             }

@@ -101,7 +101,7 @@ impl Record {
 
     /// Returns the steady state, if the solver converged.
     pub fn solved(&self) -> Option<&SteadyState> {
-        self.solution.as_ref()?.solved()
+        self.solution.as_ref()?.steady_state()
     }
 
     /// Returns the status of the solution.
@@ -137,7 +137,7 @@ impl Record {
     /// Returns a description of the slip regime, for example rolling or gross skid.
     pub fn regime(&self) -> Option<&'static str> {
         let solution = self.solution.as_ref()?;
-        let solved = solution.solved()?;
+        let solved = solution.steady_state()?;
         if solved.transmission.self_locking {
             return Some("self-locking in this direction");
         }
@@ -290,7 +290,7 @@ impl Record {
         }
         let traction = Settings { model: Model::Traction.into(), ..*settings };
         let solution = case.problem(&traction).ok()?.solve(work);
-        let threshold = solution.solved()?.ball.threshold_play? / UM;
+        let threshold = solution.steady_state()?.ball.threshold_play? / UM;
         Some(format!(
             "If the axial play is below {threshold:.1} um (model traction), friction presses the ball against a \
              far flank of the gothic arch, and this third contact causes additional friction. Give axial_play_um \

@@ -168,12 +168,12 @@ const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_
 /// If the reason is thermal runaway or an excessive temperature, the upper bounds are missing,
 /// except that the screw tension lacks its lower bound. For any other reason, both bounds are
 /// missing.
-fn open_ends(none: &[(Estimate, f64, NoSteadyState)], name: &str) -> [bool; 2] {
+fn open_ends(failures: &[(Estimate, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     let heats = |why: &NoSteadyState| {
         matches!(why, NoSteadyState::RunsAway(_) | NoSteadyState::TooHot { .. })
     };
-    let unknown = none.iter().any(|(.., why)| !heats(why));
-    let grows = none.iter().any(|(.., why)| heats(why));
+    let unknown = failures.iter().any(|(.., why)| !heats(why));
+    let grows = failures.iter().any(|(.., why)| heats(why));
     let falls = name == "screw_tension_N";
     [unknown || grows && falls, unknown || grows && !falls]
 }
@@ -231,12 +231,12 @@ impl Warm {
         let of_phase = moving.flat_map(|number| OF_PHASE.map(|name| format!("{name} {number}")));
         let names = OF_BAND.map(str::to_owned).into_iter().chain(of_phase);
         let row = |((name, value), [low, high]): ((String, &f64), &[f64; 2])| {
-            let [no_low, no_high] = open_ends(&band.none, &name);
+            let [no_low, no_high] = open_ends(&band.failures, &name);
             let [low, high] =
                 [(low, no_low), (high, no_high)].map(|(end, open)| (!open).then_some(*end));
             BandRow { name, low, value: *value, high }
         };
-        let rows = names.zip(&band.values).zip(&band.ends);
+        let rows = names.zip(&band.values).zip(&band.limits);
         let is_there = |((name, value), _): &((String, &f64), &[f64; 2])| {
             let tension = name == "screw_tension_N" && state.tension.is_none();
             !(tension || value.is_nan())
@@ -277,12 +277,12 @@ impl Warm {
                 ),
             });
         }
-        for (guess, factor, why) in &band.none {
+        for (estimate, factor, why) in &band.failures {
             let (times, way) =
                 if *factor > 1.0 { (*factor, "larger") } else { (factor.recip(), "smaller") };
-            notes.push(format!("{why} if {} {times} times {way}", guess.clause()));
+            notes.push(format!("{why} if {} {times} times {way}", estimate.clause()));
         }
-        if !band.none.is_empty() {
+        if !band.failures.is_empty() {
             let what =
                 "The uncertainty band is open (null) on the side where no steady state exists.";
             notes.push(what.to_owned());

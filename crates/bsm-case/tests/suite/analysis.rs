@@ -425,7 +425,7 @@ fn jamming_results_of_a_lubricated_ball_without_a_film_equal_those_of_a_dry_ball
 fn jamming_analysis_of_a_lubricated_ball_uses_local_friction_coefficients() {
     let oil = case(OIL, &RETURN);
     let solution = solved(&oil, &Model::Traction.into());
-    let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");
+    let film = solution.steady_state().and_then(|solved| solved.film).expect("a lubricant");
     let report = bsm_case::jam(&oil, &solution).expect("a motion");
     let stopped = number(&report, "stopped_friction_coefficient");
     for coefficient in [film.nut.friction, film.screw.friction, stopped, 0.12] {
@@ -453,7 +453,7 @@ fn slip_powers_of_a_lubricated_ball_add_up_to_the_sliding_power() {
         for model in [Model::RacewayControl, Model::Traction] {
             let settings = model.into();
             let solution = solved(&oil, &settings);
-            let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");
+            let film = solution.steady_state().and_then(|solved| solved.film).expect("a lubricant");
             let report = bsm_case::slip(&oil, &settings, &solution).expect("a motion");
             let total = number(&report, "total_friction_power_W");
             // Model and analysis integrate the friction of the films at different points. The

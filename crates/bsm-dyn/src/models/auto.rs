@@ -47,7 +47,7 @@ impl Auto {
                 // error bound of raceway control is small.
                 return None;
             }
-            let solved = work.raceway.solved(&self.screw, &contacts, &rolling_ball).ok()?;
+            let solved = work.raceway.steady_state(&self.screw, &contacts, &rolling_ball).ok()?;
             Some((rolling_ball, solved, ModelErrors::of_ball(&contacts, &solved)?))
         });
         if let Some((rolling_ball, solved, errors)) = &known {
@@ -64,7 +64,7 @@ impl Auto {
                 }
                 Some(basis) => {
                     if let Ok(skid) = self.screw.point.require_friction().and_then(|()| {
-                        Elastic { screw: self.screw }.solved(&contacts, &mut work.elastic)
+                        Elastic { screw: self.screw }.steady_state(&contacts, &mut work.elastic)
                     }) {
                         let eta = |solved: &SteadyState| solved.transmission.efficiency;
                         let bound = errors.skid_bound((eta(solved) - eta(&skid)).abs());

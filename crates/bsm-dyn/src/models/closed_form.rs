@@ -183,7 +183,7 @@ mod tests {
             size: Some(size),
         };
         let solution = case.solve();
-        let torque = solution.solved().expect("converged").transmission.screw_torque;
+        let torque = solution.steady_state().expect("converged").transmission.screw_torque;
         let load = solution.contact(Site::Nut).expect("a contact").load;
         for value in [torque, load].into_iter().flatten() {
             // The friction coefficient is one rounding error away from the limit of self-locking,

@@ -239,7 +239,7 @@ impl Elastic {
             .point
             .require_friction()
             .and_then(|()| self.screw.scaled())
-            .and_then(|contacts| self.solved(&contacts, work));
+            .and_then(|contacts| self.steady_state(&contacts, work));
         Solution::new(Model::Elastic, solved)
     }
 
@@ -249,7 +249,7 @@ impl Elastic {
     ///
     /// Returns [`SolveFailure`] if no root exists, if the search fails, or if the power balance is
     /// violated.
-    pub(crate) fn solved(
+    pub(crate) fn steady_state(
         &self,
         contacts: &ElasticContacts,
         work: &mut ElasticWorkspace,

@@ -150,7 +150,7 @@ const CHORD_RESIDUAL: f64 = 1e-3;
 
 /// Maximum number of Newton steps from one starting value, after which the next starting value is
 /// tried. Nine out of ten balls need at most 11 steps in total.
-const MAX_STEPS: usize = 25;
+const MAX_NEWTON_STEPS: usize = 25;
 
 /// Maximum scaled residual before the final Newton step. The residual after this step is not
 /// evaluated.
@@ -368,7 +368,7 @@ impl GothicBall {
         let balls = screw.point.load.balls;
         screw.point.load = Load { axial: axial * balls, balls };
         let traction = Traction { screw, accuracy: self.accuracy, creep: self.creep };
-        traction.solve(work).solved().copied()
+        traction.solve(work).steady_state().copied()
     }
 
     /// Returns the position and the motion of the ball for a steady state with two contacts.
@@ -399,7 +399,7 @@ impl GothicBall {
         let speed = point.drive.relative_speed();
         // The precession rate of the ball is about half the speed of the screw.
         let centrifugal = point.ball.mass * point.helix.radius * (0.5 * speed).powi(2);
-        let (load, approach) = grooves.largest(at_rest);
+        let (load, approach) = grooves.largest_load(at_rest);
         Balance {
             screw: &self.screw,
             grooves,
@@ -787,7 +787,7 @@ impl Search<'_> {
     ) -> Result<([f64; UNKNOWNS], f64), SolveFailure> {
         let jacobian = JacobianUpdate::EveryTrial { chord_below: CHORD_RESIDUAL };
         let convergence =
-            Convergence { residual_tol, residual_goal: residual_tol, max_steps: MAX_STEPS };
+            Convergence { residual_tol, residual_goal: residual_tol, max_steps: MAX_NEWTON_STEPS };
         let options = Options { convergence, jacobian, ..Options::default() };
         let Outcome { report, last, .. } = balance.run(&mut y, &options, self.newton);
         self.steps += report.steps.len();

@@ -195,7 +195,7 @@ mod tests {
     }
 
     fn loads_and_angles(solution: &Solution) -> ([f64; 2], [f64; 2]) {
-        let ball = solution.solved().expect("converged").ball;
+        let ball = solution.steady_state().expect("converged").ball;
         let contacts = [ball.nut, ball.screw];
         (contacts.map(|c| c.load.expect("a load")), contacts.map(|c| c.angle))
     }

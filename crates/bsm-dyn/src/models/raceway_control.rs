@@ -263,7 +263,7 @@ impl RacewayControl {
     pub fn solve(&self, work: &mut RacewayWorkspace) -> Solution {
         let solved = self.screw.scaled().and_then(|contacts| {
             let rolling_ball = work.rolling_ball(&contacts, self.control)?;
-            let solved = work.solved(&self.screw, &contacts, &rolling_ball)?;
+            let solved = work.steady_state(&self.screw, &contacts, &rolling_ball)?;
             Ok(work.with_alternatives(&self.screw, &contacts, &rolling_ball, self.control, &solved))
         });
         Solution::new(Model::RacewayControl, solved)
@@ -302,7 +302,7 @@ impl RacewayWorkspace {
     /// # Errors
     ///
     /// Returns [`crate::Reason::BallLeavesFlank`] if a contact angle is beyond its flank.
-    pub(crate) fn solved(
+    pub(crate) fn steady_state(
         &self,
         screw: &ElasticPoint,
         contacts: &ElasticContacts,
@@ -341,7 +341,7 @@ impl RacewayWorkspace {
         let alternatives = rolling_ball.alternatives(contacts, control, &mut self.newton);
         let alternatives = alternatives
             .iter()
-            .filter_map(|rolling_ball| self.solved(screw, contacts, rolling_ball).ok());
+            .filter_map(|rolling_ball| self.steady_state(screw, contacts, rolling_ball).ok());
         let control = Some(ControllingRaceway { raceway: rolling_ball.control, consistent });
         SteadyState { control, ..solved.with_alternatives(alternatives) }
     }

@@ -150,7 +150,10 @@ impl Rigid {
     /// Solves for the steady motion of the ball.
     pub fn solve(&self, work: &mut RigidWorkspace) -> Solution {
         let root = self.ball().and_then(|ball| Ok((ball, root::find(&ball, work)?)));
-        Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
+        Solution::new(
+            Model::Rigid,
+            root.and_then(|(ball, root)| self.state_with_alternatives(&ball, &root)),
+        )
     }
 
     /// Returns all steady states on the branch of increasing inertia that begins at a ball without
@@ -170,7 +173,11 @@ impl Rigid {
     }
 
     /// Converts a root and its alternatives into a steady state in SI units.
-    fn solved(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, SolveFailure> {
+    fn state_with_alternatives(
+        &self,
+        ball: &RigidBall,
+        root: &BallRoot,
+    ) -> Result<SteadyState, SolveFailure> {
         let solved = self.balanced(ball, root)?;
         let Some(alternatives) = &root.alternatives else { return Ok(solved) };
         let alternatives = alternatives.iter().filter_map(|other| self.balanced(ball, other).ok());
@@ -179,7 +186,8 @@ impl Rigid {
 
     /// Converts a root into a steady state after checking its power balance.
     fn balanced(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, SolveFailure> {
-        let solved = ball.solved(&root.motion, &self.point.units(), self.point.contact_angle, true);
+        let solved =
+            ball.steady_state(&root.motion, &self.point.units(), self.point.contact_angle, true);
         solved.transmission.balanced()?;
         let info = SolveInfo { steps: root.steps, residual: root.residual };
         Ok(SteadyState { info: Some(info), ..solved })
@@ -193,7 +201,7 @@ impl<F: Real> RigidBall<F> {
     /// * `directions`: true if the directions of the friction forces are requested. Each direction
     ///   requires an arctangent.
     #[inline(always)]
-    pub fn solved(
+    pub fn steady_state(
         &self,
         motion: &RigidMotion<F>,
         units: &ResultUnits<F>,

@@ -312,7 +312,7 @@ proptest! {
         let solution = Rigid { point: case }.solve(&mut RigidWorkspace::default());
         prop_assert_ne!(solution.status(), Status::NotConverged, "{:?}", solution.reason());
         if solution.status() == Status::Converged {
-            let o = solution.solved().expect("converged");
+            let o = solution.steady_state().expect("converged");
             // The tolerance allows for the rounding error of the friction power at the unloaded
             // flank, which is the product of a load of 1e-4 and a speed of 1e4.
             prop_assert!(o.transmission.power_balance.is_some_and(|x| x.abs() <= 1e-11), "{:?}", o);
@@ -348,7 +348,7 @@ proptest! {
         let mut work = RigidWorkspace::default();
         let (one, other) = (Rigid { point: case }.solve(&mut work), Rigid { point: many }.solve(&mut work));
         prop_assert_eq!(one.status(), other.status());
-        let torque = |s: &Solution| s.solved()?.transmission.screw_torque;
+        let torque = |s: &Solution| s.steady_state()?.transmission.screw_torque;
         if let (Some(t), Some(t_z)) = (torque(&one), torque(&other)) {
             // The axial load per ball may differ in the last bit.
             prop_assert!((t * z - t_z).abs() <= 1e-11 * t_z.abs());

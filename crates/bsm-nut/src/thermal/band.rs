@@ -11,10 +11,10 @@ pub struct StateInterval {
     pub values: Vec<f64>,
     /// Lower and upper limit of the uncertainty band for each result. Changed estimates for which
     /// no steady state exists do not contribute to the band.
-    pub ends: Vec<[f64; 2]>,
+    pub limits: Vec<[f64; 2]>,
     /// Changed estimates for which no steady state exists. Each entry contains the estimated
     /// quantity, the factor by which it was multiplied, and the reason.
-    pub none: Vec<(Estimate, f64, NoSteadyState)>,
+    pub failures: Vec<(Estimate, f64, NoSteadyState)>,
     /// Reason why no steady state exists if the missing heat sources have their typical values;
     /// `None` if a steady state exists.
     pub complete_failure: Option<NoSteadyState>,
@@ -43,7 +43,7 @@ pub(super) fn interval(
         found.iter().zip(&middle).map(change).collect()
     };
     let mut squares = vec![[0.0_f64; 2]; middle.len()];
-    let mut none = Vec::new();
+    let mut failures = Vec::new();
     for estimate in estimates {
         let mut most = vec![[0.0_f64; 2]; middle.len()];
         for factor in [estimate.uncertainty_factor().recip(), estimate.uncertainty_factor()] {
@@ -53,7 +53,7 @@ pub(super) fn interval(
                         *most = [most[0].max(by[0]), most[1].max(by[1])];
                     }
                 }
-                Err(why) => none.push((estimate, factor, why)),
+                Err(why) => failures.push((estimate, factor, why)),
             }
         }
         for (squares, most) in squares.iter_mut().zip(most) {
@@ -65,11 +65,11 @@ pub(super) fn interval(
         Err(why) => (vec![[0.0; 2]; middle.len()], Some(why)),
     };
     // upper limit = value + shift + √(Σ largest increase²); the lower limit is analogous (I21)
-    let end = |((middle, [down, up]), [less, more]): ((&f64, &[f64; 2]), [f64; 2])| {
+    let limits_of = |((middle, [down, up]), [less, more]): ((&f64, &[f64; 2]), [f64; 2])| {
         [middle - less - down.sqrt(), middle + more + up.sqrt()]
     };
-    let ends = middle.iter().zip(&squares).zip(shifts).map(end).collect();
-    StateInterval { values: middle, ends, none, complete_failure }
+    let limits = middle.iter().zip(&squares).zip(shifts).map(limits_of).collect();
+    StateInterval { values: middle, limits, failures, complete_failure }
 }
 
 impl WarmNut<'_> {

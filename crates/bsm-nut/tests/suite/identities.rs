@@ -422,7 +422,7 @@ fn friction_of_equally_loaded_balls_is_proportional_to_their_number() {
     let expected = single.efficiency().expect("solved");
     // The ball loads are accurate to 1e-12, and the ball models converge to 1e-10.
     assert_relative_eq!(all.efficiency.expect("a load"), expected, max_relative = 1e-9);
-    let heat = single.solved().expect("solved").transmission.power.expect("speed").dissipated;
+    let heat = single.steady_state().expect("solved").transmission.power.expect("speed").dissipated;
     assert_relative_eq!(all.heat.expect("all balls"), heat, max_relative = 1e-7);
 
     let pair = pair();

@@ -236,7 +236,7 @@ fn ball_with_large_play_matches_the_traction_model() {
         let traction =
             Traction { screw: scene.at(load), accuracy: ball.accuracy, creep: ball.creep };
         let solution = traction.solve(&mut traction_work);
-        let solved = solution.solved().expect("a ball on two contacts");
+        let solved = solution.steady_state().expect("a ball on two contacts");
         let found = ball.solve(AxialCondition::Force(load), None, work).expect("a ball");
         assert!(!found.far_flank_carries(), "{:?}", found.approaches);
         let (torque, loads) = (solved.transmission.screw_torque.expect("torque"), found.loads());

@@ -186,8 +186,8 @@ fn push_forces_and_losses_of_ball_trains_match_the_reference() {
             near("needed gap", advance.needed_gap * 1e3, value("needed_gap_mm"), rates * 600.0);
             near("rate", found.rate, value("train_rate"), rates);
             near("flux", found.flux, value("flux_1_s"), rates * 200.0);
-            near("exit", found.ends[0], value("exit_push_N"), pushes * largest);
-            near("entry", found.ends[1], value("entry_push_N"), pushes * largest);
+            near("exit", found.end_pushes[0], value("exit_push_N"), pushes * largest);
+            near("entry", found.end_pushes[1], value("entry_push_N"), pushes * largest);
             for (i, ball) in found.balls.iter().enumerate() {
                 let listed = |key: &str| expected[key][i].as_f64();
                 let same = |key, got: Option<f64>, allowed| match (got, listed(key)) {
@@ -249,7 +249,11 @@ fn push_force_from_the_ball_return_decreases_linearly_along_equally_loaded_balls
     reference.inputs.gaps = vec![1e-10];
     let train = solve_train(&reference);
     let behind = push_forces_from_behind(&train);
-    assert!((train.circuits[0].ends[0] - push).abs() < 1e-12, "{:?}", train.circuits[0].ends);
+    assert!(
+        (train.circuits[0].end_pushes[0] - push).abs() < 1e-12,
+        "{:?}",
+        train.circuits[0].end_pushes
+    );
     let fall = (push - behind[1]) / 37.0;
     for (number, got) in (0_u8..).zip(&behind).skip(1) {
         let want = push - fall * f64::from(38 - number);

@@ -365,10 +365,10 @@ fn uncertainty_band_matches_the_reference() {
         let growth = 1e6 * nut.network(1.0).thermal_expansion(&state.rises);
         vec![body, screw, state.heated.preload, state.heat(), growth]
     });
-    assert!(band.none.is_empty(), "{:?}", band.none);
+    assert!(band.failures.is_empty(), "{:?}", band.failures);
     let names =
         ["nut_temperature_C", "screw_temperature_C", "warm_preload_N", "heat_W", "screw_growth_um"];
-    for (name, found) in names.into_iter().zip(&band.ends) {
+    for (name, found) in names.into_iter().zip(&band.limits) {
         for (side, found) in found.iter().enumerate() {
             let expected = reference["expect"]["band"][name][side].as_f64().expect("end");
             assert_near(&format!("{name} {side}"), *found, expected, 1e-3 * expected);

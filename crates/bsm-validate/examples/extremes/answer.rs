@@ -91,7 +91,7 @@ pub(crate) fn classify(case: &Case, model: ModelChoice, work: &mut ModelWorkspac
         return Answer::new(Order::False, "panic".to_owned());
     };
     let reason = solution.reason().map(name).unwrap_or_default();
-    let others = solution.solved().and_then(|solved| Some(solved.alternatives?.count));
+    let others = solution.steady_state().and_then(|solved| Some(solved.alternatives?.count));
     let record = Record::new(solution);
     let mut answer = Answer::new(record.status().into(), String::new());
     answer.time = time;

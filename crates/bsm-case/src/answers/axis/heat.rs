@@ -103,7 +103,7 @@ impl Heating {
                 growth,
                 mean: growth / unit_growth - air,
                 over_bed: growth / unit_growth - bed,
-                band: Some(band.ends[0]),
+                band: Some(band.limits[0]),
             }
         }))
     }

@@ -22,8 +22,8 @@ quantities! { pub(crate) CIRCUITS, read_circuit(&OneCircuit<'_>);
         needed_gap_mm ["mm"] Scalar(|c| Some(c.needed / MM)), "needed gap: smallest sum of the gaps between the balls at which no balls touch";
         train_rate [""] Scalar(|c| Some(c.train.rate)), "precession of touching balls relative to the nut / relative speed";
         flux_1_s ["1/s"] Scalar(|c| Some(c.train.flux)), "number of balls that pass per second";
-        exit_push_N ["N"] Scalar(|c| Some(c.train.ends[0])), "force of the return on the last ball in the loaded part";
-        entry_push_N ["N"] Scalar(|c| Some(c.train.ends[1])), "force of the first ball on the balls in the return";
+        exit_push_N ["N"] Scalar(|c| Some(c.train.end_pushes[0])), "force of the return on the last ball in the loaded part";
+        entry_push_N ["N"] Scalar(|c| Some(c.train.end_pushes[1])), "force of the first ball on the balls in the return";
     }
 }
 

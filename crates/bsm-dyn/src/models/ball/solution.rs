@@ -42,19 +42,19 @@ impl Solution {
     }
 
     /// Returns the steady state; `None` if the solve did not converge.
-    pub fn solved(&self) -> Option<&SteadyState> {
+    pub fn steady_state(&self) -> Option<&SteadyState> {
         self.result.as_ref().ok()
     }
 
     /// Returns the contact at the given flank; `None` if the solve failed or the model does not
     /// include this contact.
     pub fn contact(&self, site: Site) -> Option<&ContactState> {
-        self.solved()?.ball.contact(site)
+        self.steady_state()?.ball.contact(site)
     }
 
     /// Returns the efficiency; `None` if the solve did not converge.
     pub fn efficiency(&self) -> Option<f64> {
-        Some(self.solved()?.transmission.efficiency)
+        Some(self.steady_state()?.transmission.efficiency)
     }
 
     /// Returns true if friction prevents motion in the given direction of the power flow; `None` if

@@ -36,7 +36,7 @@ const EXACT_STEP_CONTROL: StepControl =
 /// Maximum distance between a root found by continuation and the same root after refinement by
 /// Newton's method, in units of the scales of the unknowns. The limit is twice the root tolerance
 /// of [`STEP_CONTROL`].
-const MAX_REFINEMENT: f64 = 0.1;
+const MAX_REFINEMENT_DISTANCE: f64 = 0.1;
 
 /// A steady motion on the equilibrium curve, and the sign of its precession rate `$P/W$`.
 type CurveRoot = (SlidingPoint<f64>, f64);
@@ -227,7 +227,7 @@ impl<'a> SlidingCurve<'a> {
         ];
         let motion = refined.at.motion;
         let same = (motion.inertia * motion.drive > 0.0) == (sign(at) > 0.0);
-        let near = moved.iter().all(|moved| moved.abs() < MAX_REFINEMENT);
+        let near = moved.iter().all(|moved| moved.abs() < MAX_REFINEMENT_DISTANCE);
         (refined.converged && near && same).then_some(refined.at)
     }
 

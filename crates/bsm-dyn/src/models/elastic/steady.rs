@@ -46,7 +46,7 @@ const ANGLE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-4, max_length: 1.0, m
 /// Largest ratio of normal load to axial load (dimensionless) at which a root found directly by
 /// Newton's method is accepted. Above this ratio, friction nearly holds the axial load, and
 /// rounding errors affect the result.
-const MAX_LOAD: f64 = 1e3;
+const MAX_ACCURATE_LOAD_RATIO: f64 = 1e3;
 
 /// Largest ratio of nut speed to relative speed (dimensionless) at which a root found directly by
 /// Newton's method is accepted. Above this ratio, rounding errors of the two speeds dominate the
@@ -63,7 +63,7 @@ const FIRST_STEP: f64 = 1.0;
 const MAX_STEP: f64 = 1.5;
 
 /// Maximum number of steps of the continuation, including rejected steps.
-const MAX_STEPS: usize = 12;
+const MAX_CONTINUATION_STEPS: usize = 12;
 
 /// Maximum ratio of the step in `$\ln q$` to the step in `$\ln\mu$` (dimensionless). This limit is
 /// twice the largest ratio along a straight curve.
@@ -336,7 +336,7 @@ where
         // the step in ln μ, and `length` is the step in ln q.
         let (mut below, mut slope, mut length) = (zero, one, one * FIRST_STEP);
         let (mut steps, mut active, mut arrived) = (zero, expected, zero.mask(false));
-        for step in 0..=MAX_STEPS {
+        for step in 0..=MAX_CONTINUATION_STEPS {
             let (mut guess, mut to) =
                 ([root - START_DISTANCE, point[1], point[2]], one * START_DISTANCE);
             if step > 0 {
@@ -438,7 +438,8 @@ where
         let (beginning, steps, found) = self.static_beginning(unloaded, requested);
         let start = self.state_without_inertia(beginning, found);
         let root = self.first(&start, any);
-        let is_accurate = root.at.state.load_parameter.lt(unloaded.constant(MAX_LOAD));
+        let is_accurate =
+            root.at.state.load_parameter.lt(unloaded.constant(MAX_ACCURATE_LOAD_RATIO));
         let (steady, is_first_root) = (root.steady & is_accurate, root.is_first_root & is_accurate);
         SlidingRoot { steps: root.steps + steps, steady, is_first_root, ..root }
     }

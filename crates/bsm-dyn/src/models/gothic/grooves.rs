@@ -306,7 +306,7 @@ impl Grooves {
 
     /// Returns the largest normal load \[N\] for given positions of the ball and the nut, together
     /// with the approach at this contact \[m\].
-    pub(super) fn largest(&self, positions: &[f64; POSITIONS]) -> (f64, f64) {
+    pub(super) fn largest_load(&self, positions: &[f64; POSITIONS]) -> (f64, f64) {
         let loads = (0..FLANKS).map(|flank| {
             let approach = self.flank(flank, positions).approach;
             (self.load(flank, approach), approach)
@@ -356,7 +356,7 @@ impl Grooves {
             -self.outward[1] + g_n / length * from_screw,
             w,
         ];
-        let (load, approach) = self.largest(&y);
+        let (load, approach) = self.largest_load(&y);
         let units = (load.max(axial), approach);
         self.equilibrium_position(condition, &FixedForces::default(), (&y, units), newton)
     }

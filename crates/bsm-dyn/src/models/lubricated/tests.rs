@@ -71,7 +71,7 @@ fn rolling_ball(screw: ElasticPoint) -> LubricatedModel {
 
 fn solved(lubricant: Lubricant, model: LubricatedModel) -> SteadyState {
     let solution = LubricatedBall { lubricant, model }.solve(&mut ModelWorkspace::default());
-    *solution.solved().unwrap_or_else(|| panic!("{:?}", solution.reason()))
+    *solution.steady_state().unwrap_or_else(|| panic!("{:?}", solution.reason()))
 }
 
 /// At 40 °C and 100 °C, the viscosities equal the given values, and the temperature coefficient is
@@ -157,7 +157,7 @@ fn loss_uncertainty_of_a_rolling_ball_matches_a_second_set_of_random_draws() {
         let case =
             LubricatedBall { lubricant: vg_68(), model: rolling_ball(feed_drive(rpm, axial)) };
         let solution = case.solve(&mut work);
-        let interval = case.loss_interval(solution.solved().unwrap(), &mut work).unwrap();
+        let interval = case.loss_interval(solution.steady_state().unwrap(), &mut work).unwrap();
         println!("{rpm} {axial}: {interval:?}");
         // Each set of 250 draws has a sampling error of a few percent, and the reference does not
         // state the distributions from which its inputs were drawn.
@@ -185,7 +185,7 @@ fn loss_uncertainty_of_a_skidding_ball_matches_independent_random_draws() {
         let model = traction(feed_drive(rpm, axial));
         let case = LubricatedBall { lubricant, model };
         let solution = case.solve(&mut work);
-        let interval = case.loss_interval(solution.solved().unwrap(), &mut work).unwrap();
+        let interval = case.loss_interval(solution.steady_state().unwrap(), &mut work).unwrap();
         println!("{rpm} {axial}: {interval:?}");
         assert_eq!(interval.model, Model::Traction);
         // The tolerance is the standard error of the difference between two quantiles (5 % or 95 %)
@@ -276,7 +276,7 @@ fn extreme_inputs_have_finite_results_or_no_solution() {
                 {
                     points += 1;
                     let solution = LubricatedBall { lubricant, model }.solve(&mut work);
-                    let Some(solved) = solution.solved() else { continue };
+                    let Some(solved) = solution.steady_state() else { continue };
                     answers += 1;
                     let film = solved.film.unwrap();
                     let [nut, screw] = [film.nut, film.screw];
@@ -373,7 +373,7 @@ fn count_unsolved_typical_screws(seed: u64, points: u64) -> u64 {
     for _ in 0..points {
         let (screw, lubricant) = random_typical_point(&mut rng);
         let solution = LubricatedBall { lubricant, model: traction(screw) }.solve(&mut work);
-        if solution.solved().is_none() {
+        if solution.steady_state().is_none() {
             failed += 1;
             println!("{:?} {screw:?} {lubricant:?}", solution.reason());
         }
@@ -430,8 +430,8 @@ fn lubricated_solves_take_longer_than_dry_solves() {
         let (screw, lubricant) = random_typical_point(&mut rng);
         let case = LubricatedBall { lubricant, model: traction(screw) };
         let solution = case.solve(&mut ModelWorkspace::default());
-        let Some(film) = solution.solved().and_then(|solved| solved.film) else { continue };
-        let bound = solution.solved().and_then(|solved| solved.error);
+        let Some(film) = solution.steady_state().and_then(|solved| solved.film) else { continue };
+        let bound = solution.steady_state().and_then(|solved| solved.error);
         bounds.push(bound.map_or(f64::NAN, |bound| bound.efficiency));
         let friction = film.equivalent_friction;
         let mut dry = screw;

@@ -68,7 +68,7 @@ impl LubricatedBall {
         let model = if rolls { Model::RacewayControl } else { Model::Traction };
         let loss = |number: Option<u32>, work: &mut ModelWorkspace| {
             let solution = self.sample(number, film.temperature, model).solve(work);
-            let film = solution.solved()?.film?;
+            let film = solution.steady_state()?.film?;
             Some(film.sliding_power + film.rolling_power)
         };
         let nominal = loss(None, work)?;

@@ -25,7 +25,7 @@ const MAX_STEPS_FROM_BRACKET: usize = 8;
 /// Maximum number of fixed-point steps for the lower bound (W14). Newton steps are not used because
 /// they could pass the first root. Thousands of fixed-point steps are necessary if the centrifugal
 /// force is close to the largest force that the flanks can hold.
-const MAX_BOUND_STEPS: usize = 20_000;
+const MAX_LOWER_BOUND_STEPS: usize = 20_000;
 
 /// Number of intervals that the scan for other roots examines.
 const SCAN_INTERVALS: u8 = 48;
@@ -42,7 +42,7 @@ const MIN_ROOT_DISTANCE: f64 = 1e-6;
 
 /// Maximum relative change of the unknown during the refinement of a bracketed root
 /// (dimensionless). After a larger change, Newton's method has converged to a different root.
-const MAX_REFINEMENT: f64 = 1e-3;
+const MAX_REFINEMENT_CHANGE: f64 = 1e-3;
 
 /// Static force balance of the ball in the normal plane.
 pub(super) struct Balance<'a, P: Scalar = f64> {
@@ -205,7 +205,7 @@ impl Balance<'_> {
         let report = self.run(&mut x, newton);
         // If two roots are close together, Newton's method may converge to the wrong root.
         let change = (x[0] - bracketed[0]).abs();
-        if report.converged() && x[1] > 0.0 && change <= MAX_REFINEMENT * bracketed[0] {
+        if report.converged() && x[1] > 0.0 && change <= MAX_REFINEMENT_CHANGE * bracketed[0] {
             let (steps, residual) = (report.steps.len(), report.residual);
             return Ok(StaticRoot { unknowns: x, steps, residual });
         }
@@ -302,7 +302,7 @@ impl Balance<'_> {
     /// increases with this difference, or `None` if there is no root on the flanks.
     fn rising(&self, max_difference: f64) -> Option<f64> {
         let mut bound = 0.0;
-        for _ in 0..MAX_BOUND_STEPS {
+        for _ in 0..MAX_LOWER_BOUND_STEPS {
             // c ← μ cosα (P(c)/W)²                                        (W14)
             let next = self.centrifugal(self.statics.rate_at(bound));
             if next > max_difference {

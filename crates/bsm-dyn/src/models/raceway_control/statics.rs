@@ -31,7 +31,7 @@ const CLOSURE_TOL: f64 = 4.0 * f64::EPSILON;
 
 /// Maximum number of steps for calculating the upper bound (W18). Most points need two or three
 /// steps. Points that need more steps are scanned for roots.
-const MAX_BOUND_STEPS: usize = 4;
+const MAX_UPPER_BOUND_STEPS: usize = 4;
 
 /// Tolerance of the cotangent in the solution of (W13) for an upper bound, relative to the
 /// cotangent of the unloaded contact angle (dimensionless). The bound is shifted by the tolerance,
@@ -235,7 +235,7 @@ impl<F: Real> StaticBalance<F> {
         // μ cosα ρ < 2, where ρ is an upper bound of |P|/W if |P| increases with c        (W17)
         let mut unique = (self.inertia * outwards).lt(nut.constant(Self::UNIQUE_INERTIA));
         let mut bound = self.inertia * outwards.square();
-        for _ in 0..MAX_BOUND_STEPS {
+        for _ in 0..MAX_UPPER_BOUND_STEPS {
             if !F::any(requested & !unique) {
                 break;
             }

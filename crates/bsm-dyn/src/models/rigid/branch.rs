@@ -73,7 +73,7 @@ const MAX_END_SLIP: f64 = 1e-3;
 /// Minimum ratio of nut speed to relative speed (dimensionless) at which the rate `$p$` is used as
 /// the precession unknown. Below this ratio, cancellation may occur in the sum `$p + \Omega_n/W$`;
 /// above this ratio, it may occur in the difference `$P/W - \Omega_n/W$`.
-const FAST_NUT: f64 = 10.0;
+const FAST_NUT_RATIO: f64 = 10.0;
 
 /// Maximum step length along the branch, in units of the scales of the unknowns.
 pub(super) const MAX_BRANCH_STEP: f64 = 4.0;
@@ -153,7 +153,7 @@ fn sinh<D: Over<f64>>(x: D) -> D {
 impl<'a> Branch<'a> {
     /// Creates the branch equations of a ball.
     fn of(ball: &'a RigidBall<f64>, first: &FirstOrder) -> Self {
-        let uses_absolute_rate = ball.nut_speed.abs() < FAST_NUT;
+        let uses_absolute_rate = ball.nut_speed.abs() < FAST_NUT_RATIO;
         let unit = ball.with_inertia(ball.inertia_ratio.recip());
         // The variable `rolling` is the slip e₁ p of (R27).
         let rolling = ball.sines.sin_a * ball.arc * ball.per_h * first.precession.abs();

@@ -32,7 +32,7 @@ pub(super) const MIN_STEEP_SINE: f64 = 0.7;
 
 /// Maximum ratio of normal load to axial load (dimensionless). Up to this ratio, rounding errors of
 /// the loads do not affect whether the sweeps end at an admissible motion.
-const MAX_LOAD: f64 = 1e4;
+const MAX_SWEEP_LOAD_RATIO: f64 = 1e4;
 
 /// Smallest precession rate `$|P/W|$` (dimensionless) in the random tests that determined
 /// [`UNIQUE_INERTIA`] and [`UNIQUE_MULTIPLICITY`].
@@ -128,7 +128,7 @@ impl<F: Real> FirstOrder<F> {
     /// sweeps. The normal load is large near self-locking.
     #[inline(always)]
     pub fn is_accurate(&self) -> F::Mask {
-        self.load.abs().lt(self.load.constant(MAX_LOAD))
+        self.load.abs().lt(self.load.constant(MAX_SWEEP_LOAD_RATIO))
     }
 
     /// Returns true if a root exists according to the first-order solution: all contact loads are

@@ -104,7 +104,7 @@ fn roots_from_random_starts(
             let report = solve(&case, &mut y.data.0[0], &scales, &options, newton).report;
             if report.converged() && report.steps.is_empty() && motion.is_admissible() {
                 // Spurious roots at infinity do not satisfy the power balance.
-                let solved = ball.solved(&motion, &rigid.units(), rigid.contact_angle, false);
+                let solved = ball.steady_state(&motion, &rigid.units(), rigid.contact_angle, false);
                 let imbalance = solved.transmission.power_balance;
                 let root =
                     BallRoot { motion, steps: 0, residual: report.residual, alternatives: None };

@@ -44,7 +44,7 @@ const CHORD_RESIDUAL: f64 = 1e-3;
 
 /// Ratio of nut speed to relative speed above which the unknown precession rate is measured
 /// relative to the nut.
-const FAST_NUT: f64 = 2.0;
+const FAST_NUT_RATIO: f64 = 2.0;
 
 /// Default limits of a solve: maximum number of Newton steps, and maximum number of halvings of
 /// each step.
@@ -444,7 +444,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     #[inline(always)]
     pub(super) fn offset(&self) -> P {
         let nut = self.contacts.scaled.nut_speed;
-        if self.uses_nut_angle || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
+        if self.uses_nut_angle || nut.re().abs() > FAST_NUT_RATIO { nut } else { P::from(0.0) }
     }
 
     /// Returns the residuals of the seven equations for given unknowns.

@@ -105,7 +105,7 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
         let creep = Traction::CREEP * contacts.slip_scale();
         let [[quadrature, _]] = work.rules.dry([SEARCH_ACCURACY]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep);
-        let steps = solution.solved().and_then(|solved| Some(solved.info?.steps));
+        let steps = solution.steady_state().and_then(|solved| Some(solved.info?.steps));
         let count = match solution.status() {
             Status::NoSolution => &mut counts.no_solution,
             Status::NotConverged => &mut counts.undecided,

@@ -29,7 +29,7 @@ fn run_campaign(
         let solution = solve(screw);
         match (solution.status(), solution.reason()) {
             (Status::Converged, _) => {
-                let o = solution.solved().expect("converged");
+                let o = solution.steady_state().expect("converged");
                 tally.converged += 1;
                 tally.worst_balance = tally
                     .worst_balance
@@ -106,7 +106,7 @@ fn auto_never_chooses_a_model_outside_its_range() {
     for tolerance in [1.0, 1e-1, 1e-2, 1e-4] {
         for screw in &points {
             let chosen = Auto { screw: *screw, tolerance }.solve(&mut work);
-            let Some(solved) = chosen.solved() else { continue };
+            let Some(solved) = chosen.steady_state() else { continue };
             let onset = solved.skid.and_then(|skid| skid.onset_number());
             let (place, holds) = match chosen.model {
                 Model::RacewayControl => (0, onset.is_some_and(|onset| onset < MAX_ROLLING_ONSET)),
@@ -146,7 +146,7 @@ fn error_bound_of_a_skidding_ball_includes_the_effect_of_spin() {
         let exact = exact.efficiency().expect("converged");
         let chosen = Auto { screw: at, tolerance: 1e-2 }.solve(&mut work);
         assert_eq!(chosen.model, Model::Elastic, "{at:?}");
-        let solved = chosen.solved().expect("converged");
+        let solved = chosen.steady_state().expect("converged");
         let bound = solved.error.expect("a converged choice has a bound").efficiency;
         let error = (solved.transmission.efficiency - exact).abs();
         assert!(error <= bound && bound <= 1e-2, "{error:.1e} of {bound:.1e}: {at:?}");
@@ -170,7 +170,7 @@ fn check_error_bounds(screws: impl Iterator<Item = ElasticPoint>, tolerance: f64
         let exact = Traction { screw, accuracy: 1e-10, creep: 1e-5 }.solve(&mut fine);
         let Some(exact) = exact.efficiency() else { continue };
         let chosen = Auto { screw, tolerance }.solve(&mut work);
-        let solved = chosen.solved().expect("converged");
+        let solved = chosen.steady_state().expect("converged");
         let bound = solved.error.expect("a converged choice has a bound").efficiency;
         let error = (solved.transmission.efficiency - exact).abs();
         tried.points += 1;

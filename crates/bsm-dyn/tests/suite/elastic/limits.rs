@@ -20,7 +20,7 @@ fn with_friction(friction: f64, screw: ElasticPoint) -> ElasticPoint {
 }
 
 fn onset_number(solution: &Solution) -> Option<f64> {
-    solution.solved()?.skid?.onset_number()
+    solution.steady_state()?.skid?.onset_number()
 }
 
 fn traction(screw: ElasticPoint, accuracy: f64, creep: f64) -> SteadyState {
@@ -99,7 +99,7 @@ fn onset_number_separates_rolling_from_sliding() {
         let skid = Elastic { screw }.solve(&mut sliding);
         let (Some(g), Some(s)) = (rolling_ball.efficiency(), skid.efficiency()) else { continue };
         let numbers = rolling_ball
-            .solved()
+            .steady_state()
             .and_then(|rolling_ball| rolling_ball.skid)
             .expect("raceway control");
         // If spin causes almost all of the loss, the efficiency of raceway control is not a useful
@@ -283,7 +283,8 @@ fn power_balance_holds_at_low_speed_with_saturated_friction() {
 fn auto_reports_an_error_bound_above_the_tolerance_if_the_tolerance_is_unattainable() {
     let screw = lin(10.0, 45.0, 2000.0, 2113.0);
     let exact = Auto { screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
-    let (choice, solved) = (exact.choice.expect("a choice"), exact.solved().expect("converged"));
+    let (choice, solved) =
+        (exact.choice.expect("a choice"), exact.steady_state().expect("converged"));
     assert!(solved.error.expect("a bound").efficiency > choice.tolerance);
 }
 
@@ -308,14 +309,14 @@ fn auto_reports_no_error_bound_where_traction_has_no_solution() {
         let traction = traction.solve(&mut TractionWorkspace::default());
         assert_eq!(traction.status(), Status::NoSolution, "{contact_angle}");
         let auto = Auto { screw: at, tolerance: 0.01 }.solve(&mut work);
-        assert!(auto.solved().expect("a rolling ball").error.is_none(), "{contact_angle}");
+        assert!(auto.steady_state().expect("a rolling ball").error.is_none(), "{contact_angle}");
     }
     // At these contact angles, friction does not rotate the contacts beyond the ends of their
     // flanks.
     for contact_angle in [20.0, 45.0, 80.0] {
         let auto = Auto { screw: feed_drive(contact_angle), tolerance: 0.01 }.solve(&mut work);
         assert_eq!(auto.model, Model::RacewayControl, "{contact_angle}");
-        assert!(auto.solved().expect("a rolling ball").error.is_some(), "{contact_angle}");
+        assert!(auto.steady_state().expect("a rolling ball").error.is_some(), "{contact_angle}");
     }
 }
 
