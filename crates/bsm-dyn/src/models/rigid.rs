@@ -162,8 +162,8 @@ impl Rigid {
     ///
     /// # Errors
     ///
-    /// Returns the [`SolveFailure`] of [`solve`](Self::solve), or [`SolveFailure::SEARCH_FAILED`]
-    /// if the branch cannot be followed to its end.
+    /// Returns the [`SolveFailure`] of [`solve`](Self::solve), or a failure with the status
+    /// `not_converged` if the branch cannot be followed to its end.
     pub fn branch(&self, work: &mut RigidWorkspace) -> Result<Vec<SteadyState>, SolveFailure> {
         let ball = self.ball()?;
         let root = root::find_all(&ball, work)?;
