@@ -131,7 +131,7 @@ fn report_median(label: &str, problems: &[Problem], work: &mut ModelWorkspace) {
         })
         .collect();
     let mut steps: Vec<_> =
-        problems.iter().filter_map(|p| Some(p.solve(work).solved()?.info?.steps)).collect();
+        problems.iter().filter_map(|p| Some(p.solve(work).steady_state()?.info?.steps)).collect();
     times.sort_unstable();
     steps.sort_unstable();
     let middle = problems.len() / 2;

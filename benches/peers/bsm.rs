@@ -94,7 +94,7 @@ pub(crate) fn numbers(solution: &Solution) -> Option<Numbers> {
 pub(crate) fn reference(case: &Case) -> Option<Answer> {
     let Ok(Problem::Rigid(rigid)) = case.problem(&settings()) else { return None };
     let mut work = RigidWorkspace::default();
-    let (solved, root) = (rigid.solve(&mut work).answer.ok()?, rigid.root(&mut work).ok()?);
+    let (solved, root) = (rigid.solve(&mut work).result.ok()?, rigid.root(&mut work).ok()?);
     Some([
         solved.transmission.efficiency,
         solved.ball.nut.load?,

@@ -60,7 +60,7 @@ pub fn seeded(count: usize) -> Vec<Case> {
             case.set(name, value).expect("known name");
         }
         let problem = case.problem(&Model::Rigid.into()).expect("complete case");
-        if problem.solve(&mut work).solved().is_some() {
+        if problem.solve(&mut work).steady_state().is_some() {
             cases.push(case);
         }
     }
@@ -82,7 +82,7 @@ pub fn ordinary(model: Model) -> Vec<Case> {
     let mut work = bsm_dyn::ModelWorkspace::default();
     let has_solution = |case: &Case| {
         let problem = case.problem(&model.into()).expect("complete case");
-        problem.solve(&mut work).solved().is_some()
+        problem.solve(&mut work).steady_state().is_some()
     };
     let case = |row| chunk.case(&columns, &Case::default(), row).expect("complete case");
     (0..chunk.len).map(case).filter(has_solution).collect()

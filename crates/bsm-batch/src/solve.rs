@@ -417,7 +417,7 @@ impl ChunkSolve<'_> {
                     }
                 }
             }
-            let solution = record.into_solution().filter(|s| moves && s.solved().is_some());
+            let solution = record.into_solution().filter(|s| moves && s.steady_state().is_some());
             motion = solution.map(|solution| MotionAnswer { settings: *settings, solution });
         }
         for kind in

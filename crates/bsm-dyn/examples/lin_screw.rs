@@ -24,7 +24,7 @@ fn main() {
             load: Load { axial: 2113.0, balls: 1.0 },
         };
         let solution = Rigid { point }.solve(&mut work);
-        match solution.answer {
+        match solution.result {
             Ok(state) => println!("efficiency {:.4}", state.transmission.efficiency),
             Err(none) => println!("{none}"),
         }

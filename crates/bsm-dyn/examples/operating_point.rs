@@ -22,18 +22,18 @@ fn main() -> Result<(), Error> {
         drive: Drive { screw_speed: 50.0 * PI, nut_speed: 0.0 },
         load: Load { axial: 8000.0, balls: 70.0 },
     };
-    let at = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
+    let screw = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
 
     // One [`ModelWorkspace`] can be reused for all points that a thread solves.
     let mut workspace = ModelWorkspace::default();
     for problem in [
         Problem::Rigid(Rigid { point }),
-        Problem::RacewayControl(RacewayControl { at, control: None }),
-        Problem::Traction(Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP }),
+        Problem::RacewayControl(RacewayControl { screw, control: None }),
+        Problem::Traction(Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP }),
     ] {
         let solution = problem.solve(&mut workspace);
         let model = solution.model.name();
-        match solution.answer {
+        match solution.result {
             Ok(state) => {
                 let efficiency = state.transmission.efficiency;
                 write!(stdout(), "{model:16} efficiency {efficiency:.5}")?;

@@ -33,19 +33,19 @@ pub fn cost_of<R>(work: impl FnOnce() -> R) -> (R, Cost) {
 
 /// Counts one evaluation of the equations of a model, for any scalar type.
 #[inline]
-pub(crate) fn evaluated() {
+pub(crate) fn count_evaluation() {
     EVALUATIONS.set(EVALUATIONS.get().wrapping_add(1));
 }
 
 /// Adds `nodes` to the number of quadrature nodes at which friction was evaluated.
 #[inline]
-pub(crate) fn summed(nodes: usize) {
+pub(crate) fn count_nodes(nodes: usize) {
     NODES.set(NODES.get().wrapping_add(nodes));
 }
 
 /// Counts one search: a continuation, a scan for other roots, or a search from scattered starting
 /// values.
-pub(crate) fn searched() {
+pub(crate) fn count_search() {
     SEARCHES.set(SEARCHES.get().wrapping_add(1));
 }
 
@@ -73,13 +73,15 @@ mod tests {
         model::{Elastic, RacewayControl, Rigid, Traction},
     };
 
-    fn problem_for(model: Model, at: ElasticPoint) -> Problem {
+    fn problem_for(model: Model, screw: ElasticPoint) -> Problem {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         match model {
-            Model::RacewayControl => Problem::RacewayControl(RacewayControl { at, control: None }),
-            Model::Elastic => Problem::Elastic(Elastic { at }),
-            Model::Traction => Problem::Traction(Traction { at, accuracy, creep }),
-            _ => Problem::Rigid(Rigid { point: at.point }),
+            Model::RacewayControl => {
+                Problem::RacewayControl(RacewayControl { screw, control: None })
+            }
+            Model::Elastic => Problem::Elastic(Elastic { screw }),
+            Model::Traction => Problem::Traction(Traction { screw, accuracy, creep }),
+            _ => Problem::Rigid(Rigid { point: screw.point }),
         }
     }
 

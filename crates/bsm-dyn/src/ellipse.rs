@@ -747,7 +747,7 @@ mod tests {
             });
             let [others @ .., exact] = sums;
             // The errors are divided by the upper limit of the friction coefficient.
-            let most = law.most();
+            let most = law.max_friction();
             for (errors, sums) in errors.iter_mut().zip(&others) {
                 let off = sums.iter().zip(&exact);
                 errors.push(off.map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) / most);

@@ -27,8 +27,8 @@
 //!     drive: Drive { screw_speed: 50.0 * PI, nut_speed: 0.0 },
 //!     load: Load { axial: 8000.0, balls: 70.0 },
 //! };
-//! let at = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
-//! let problem = Problem::RacewayControl(RacewayControl { at, control: None });
+//! let screw = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
+//! let problem = Problem::RacewayControl(RacewayControl { screw, control: None });
 //! let solution = problem.solve(&mut ModelWorkspace::default());
 //!
 //! let nut = solution.contact(Site::Nut).expect("a solution");
@@ -50,7 +50,7 @@ pub use self::cost::{Cost, cost_of};
 pub use self::models::{
     ElasticPoint, Model, ModelWorkspace, OperatingPoint, Problem, Solution, SteadyState,
 };
-pub use self::outcome::{Control, Direction, DrivenPart, Evidence, NoAnswer, Reason, Status};
+pub use self::outcome::{Control, Direction, DrivenPart, Evidence, Reason, SolveFailure, Status};
 
 /// Closed-form relations between lead angle, contact angle, friction and efficiency.
 pub mod angles {
@@ -125,8 +125,8 @@ pub mod internals {
     pub use crate::contact::{BallOrbit, efficiency, ideal_torque, torque_of};
     pub use crate::ellipse::{Patch, lubricated_powers, power_of_many};
     pub use crate::models::{
-        AnswerUnits, BallContacts, EhlPoint, EhlUnits, ElasticMotion, FilmLoss, FirstOrder,
-        GrooveContact, LoadedContact, LubricatedWorkspace, ModelErrors, Plane, RacewayBall,
+        BallContacts, EhlPoint, EhlUnits, ElasticMotion, FilmLoss, FirstOrder, GrooveContact,
+        LoadedContact, LubricatedWorkspace, ModelErrors, Plane, RacewayBall, ResultUnits,
         RigidBall, RigidMotion, RollingMotion, RollingRoot, ScaledBall, ScaledFilm, ScaledSize,
         SlidingBall, SlidingMotion, SlidingRoot, SlidingState, Sweeps, friction_angle,
         friction_power, is_in_range, onset_number, rolling, rolling_torque, transmitted, turns,

@@ -149,7 +149,7 @@ pub enum Reason {
         inertia_ratio: f64,
         /// Nearest inertia ratio at which there is a steady motion on the branch, with all other
         /// inputs unchanged.
-        nearest: f64,
+        nearest_ratio: f64,
     },
     /// A contact angle is not between 0 and 90 degrees. With the status `no_solution`, the angles
     /// belong either to the first root or to the end of a path on which no root has both angles in
@@ -167,10 +167,10 @@ pub enum Reason {
         control: Control,
         /// Ratio of the centrifugal force that the flanks can hold to the axial load. The force is
         /// evaluated at a contact angle of 90 degrees at the screw.
-        held: f64,
+        max_force_ratio: f64,
         /// Ratio of the actual centrifugal force to the axial load, also evaluated at a contact
         /// angle of 90 degrees at the screw.
-        centrifugal: f64,
+        force_ratio: f64,
     },
     /// Wherever the forces are in equilibrium with saturated friction, friction would act in the
     /// direction of the slip instead of against it.
@@ -182,14 +182,14 @@ pub enum Reason {
     /// opposing the slip.
     NoSkidAtInertia {
         /// Inertia ratio `$m r_m W^2/F_a$`.
-        inertia: f64,
+        inertia_ratio: f64,
         /// Smallest inertia ratio at which the ball slides on both flanks.
-        least: f64,
+        min: f64,
         /// Largest inertia ratio at which the ball slides on both flanks.
-        most: f64,
+        max: f64,
     },
     /// The search failed: it found no root, but could not exclude that a root exists.
-    SearchLost,
+    SearchFailed,
     /// The curvatures of ball and groove do not result in a contact ellipse with its long axis
     /// across the groove.
     CurvaturesNotHertzian {
@@ -200,9 +200,9 @@ pub enum Reason {
     },
     /// The ball does not orbit around the axis (`$P = 0$`), so no gyroscopic moment balances the
     /// friction couple.
-    BallDoesNotCircle,
-    /// The inertia ratio `$m r_m W^2/F_a$` is too small or too large to balance the forces in double
-    /// precision. This reason is always given below 1e-100 and above 1e28.
+    BallDoesNotOrbit,
+    /// The inertia ratio `$m r_m W^2/F_a$` is too small or too large to balance the forces in
+    /// double precision. This reason is always given below 1e-100 and above 1e28.
     InertiaOutOfRange {
         /// Inertia ratio at the operating point.
         inertia_ratio: f64,
@@ -222,7 +222,7 @@ pub enum Reason {
     /// transfers to its surroundings.
     LubricantRunsAway {
         /// Maximum temperature that the search considered \[K\].
-        hottest: f64,
+        max_temperature: f64,
     },
     /// The model equations cannot be evaluated at a point where their values are needed.
     Refused {
@@ -269,20 +269,20 @@ impl fmt::Display for Reason {
                 "a loaded contact would have to act in tension: the normal loads at nut and screw would be \
                  {nut_load_ratio:.3e} and {screw_load_ratio:.3e} times the axial load per ball"
             ),
-            Self::NoRootAtInertia { inertia_ratio, nearest } => write!(
+            Self::NoRootAtInertia { inertia_ratio, nearest_ratio } => write!(
                 f,
                 "there is no steady motion at the inertia ratio {inertia_ratio:.3e}; the nearest inertia ratio with a steady \
-                 motion is {nearest:.3e}"
+                 motion is {nearest_ratio:.3e}"
             ),
             Self::BallLeavesFlank { nut, screw } => write!(
                 f,
                 "the ball leaves its flanks: the contact angles would be {nut:.4} rad at the nut and {screw:.4} rad at the \
                  screw"
             ),
-            Self::FlanksCannotHold { control, held, centrifugal } => write!(
+            Self::FlanksCannotHold { control, max_force_ratio, force_ratio } => write!(
                 f,
-                "under {} control, the flanks can hold a centrifugal force of {held:.3e} times the axial load, but the \
-                 centrifugal force is {centrifugal:.3e} times the axial load",
+                "under {} control, the flanks can hold a centrifugal force of {max_force_ratio:.3e} times the axial load, but the \
+                 centrifugal force is {force_ratio:.3e} times the axial load",
                 control.name()
             ),
             Self::SlipAlongFriction { slip } => write!(
@@ -290,12 +290,12 @@ impl fmt::Display for Reason {
                 "wherever the forces balance, friction would act in the direction of slip instead of against it; the slip \
                  speed at the nut would be {slip:.3e} times ball radius times relative speed"
             ),
-            Self::NoSkidAtInertia { inertia, least, most } => write!(
+            Self::NoSkidAtInertia { inertia_ratio, min, max } => write!(
                 f,
-                "the ball slides only at inertia ratios from {least:.3e} to {most:.3e}, but the inertia ratio is \
-                 {inertia:.3e}"
+                "the ball slides only at inertia ratios from {min:.3e} to {max:.3e}, but the inertia ratio is \
+                 {inertia_ratio:.3e}"
             ),
-            Self::SearchLost => {
+            Self::SearchFailed => {
                 write!(f, "the search found no root, but could not exclude that a root exists")
             }
             Self::CurvaturesNotHertzian { longitudinal, transverse } => write!(
@@ -303,7 +303,7 @@ impl fmt::Display for Reason {
                 "the curvatures {longitudinal:e} and {transverse:e} 1/m do not give a contact ellipse with its long axis \
                  across the groove"
             ),
-            Self::BallDoesNotCircle => {
+            Self::BallDoesNotOrbit => {
                 write!(f, "the ball does not orbit: its precession rate is zero")
             }
             Self::InertiaOutOfRange { inertia_ratio } => write!(
@@ -321,10 +321,10 @@ impl fmt::Display for Reason {
                 f,
                 "the root violates the power balance: the relative error is {imbalance:.3e}"
             ),
-            Self::LubricantRunsAway { hottest } => {
+            Self::LubricantRunsAway { max_temperature } => {
                 write!(
                     f,
-                    "the lubricant heats up to more than {hottest:.1} K, because the power losses \
+                    "the lubricant heats up to more than {max_temperature:.1} K, because the power losses \
                      exceed the cooling at all temperatures up to this limit"
                 )
             }
@@ -409,13 +409,13 @@ impl fmt::Display for Evidence {
 /// Status and reason of a solve without a solution, with the evidence (if any) that no solution
 /// exists.
 #[derive(Debug, Clone, PartialEq)]
-pub struct NoAnswer {
+pub struct SolveFailure {
     status: Status,
     reason: Reason,
     evidence: Option<Evidence>,
 }
 
-impl fmt::Display for NoAnswer {
+impl fmt::Display for SolveFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}", self.status.name(), self.reason)?;
         match self.evidence {
@@ -425,14 +425,14 @@ impl fmt::Display for NoAnswer {
     }
 }
 
-impl Error for NoAnswer {}
+impl Error for SolveFailure {}
 
-impl NoAnswer {
+impl SolveFailure {
     /// Outcome of a failed search: no root was found, but a root may exist.
-    pub(crate) const LOST: Self = Self::not_converged(Reason::SearchLost);
+    pub(crate) const SEARCH_FAILED: Self = Self::not_converged(Reason::SearchFailed);
 
     /// Creates an outcome with the status `no_solution` and with evidence that no solution exists.
-    pub(crate) fn none(evidence: Evidence, reason: Reason) -> Self {
+    pub(crate) fn no_solution(evidence: Evidence, reason: Reason) -> Self {
         Self { status: Status::NoSolution, reason, evidence: Some(evidence) }
     }
 
@@ -464,6 +464,6 @@ impl NoAnswer {
 }
 
 /// Creates the outcome of a model whose equations cannot be evaluated.
-pub(crate) fn domain_error(error: EvalError) -> NoAnswer {
-    NoAnswer::not_converged(Reason::Refused { error })
+pub(crate) fn domain_error(error: EvalError) -> SolveFailure {
+    SolveFailure::not_converged(Reason::Refused { error })
 }

@@ -22,7 +22,7 @@ impl Kernel for ClosedFormKernel {
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
         let sines = given.sines();
         let f = given.get(InputKey::friction_coefficient);
-        let back = backwards(given);
+        let back = is_back_driving(given);
         let mut ball = BallState::at_angle(given.get(InputKey::contact_angle_deg) * DEG);
         if out.wants(&[SolutionOutput::nut_slip_angle_deg, SolutionOutput::screw_slip_angle_deg]) {
             let [nut, screw] = sines.slip_angles(back);
@@ -30,7 +30,7 @@ impl Kernel for ClosedFormKernel {
         }
         let found = (sines.efficiency(back, f), sines.self_locking(back, f));
         let (ratio, lead) = (sines.load_ratio(back, f), (back, sines.tan_a()));
-        out.put(&transmitted(ball, found, ratio, screw_size(given), lead));
+        out.store(&transmitted(ball, found, ratio, screw_size(given), lead));
         f.mask(true)
     }
 }
@@ -38,7 +38,7 @@ impl Kernel for ClosedFormKernel {
 /// Returns a mask that is true for points at which the load back-drives the screw. If the speeds
 /// are missing, the mask is false for all points.
 #[inline(always)]
-pub(super) fn backwards<S: Simd>(given: &LaneInputs<'_, S>) -> Mask<S> {
+pub(super) fn is_back_driving<S: Simd>(given: &LaneInputs<'_, S>) -> Mask<S> {
     let zero = Lane::splat(given.simd, 0.0);
     given.drive().map_or(zero.mask(false), |drive| drive.relative_speed().lt(zero))
 }

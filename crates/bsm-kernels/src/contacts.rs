@@ -50,7 +50,7 @@ const ANGLES: [SolutionOutput; 2] =
 
 /// Function object that stores the results of a ball with two elastic contacts. It is compiled as a
 /// separate function because three kernels share it.
-pub(super) struct ElasticAnswer<'a, 'b, 'c, S: Simd> {
+pub(super) struct ElasticResults<'a, 'b, 'c, S: Simd> {
     pub(super) out: &'a mut Sink<'b, 'c>,
     pub(super) units: &'a Units<S>,
     pub(super) contacts: &'a Contacts<S>,
@@ -61,7 +61,7 @@ pub(super) struct ElasticAnswer<'a, 'b, 'c, S: Simd> {
     pub(super) film: Option<FilmState<Lane<S>>>,
 }
 
-impl<S: Simd> NullaryFnOnce for ElasticAnswer<'_, '_, '_, S> {
+impl<S: Simd> NullaryFnOnce for ElasticResults<'_, '_, '_, S> {
     type Output = ();
 
     #[inline(always)]
@@ -74,8 +74,9 @@ impl<S: Simd> NullaryFnOnce for ElasticAnswer<'_, '_, '_, S> {
             }
         }
         let displacement = contacts.displacement(sides);
-        let ball = motion.state(&contacts.scaled, (angles, sides), displacement, &units.answer());
-        out.put(&SteadyState {
+        let ball =
+            motion.state(&contacts.scaled, (angles, sides), displacement, &units.result_units());
+        out.store(&SteadyState {
             error: self.error,
             film: self.film,
             ..SteadyState::new(&ball, *self.transmission)

@@ -6,7 +6,7 @@ use bsm_dyn::internals::{ElasticMotion, SlidingBall, SlidingRoot, SlidingState, 
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
+use crate::contacts::{Contacts, ElasticResults, UnitsCall};
 use crate::inputs::{Lane, LaneInputs, Mask};
 use crate::kernel::{Kernel, Sink};
 use crate::rigid::slip_angles;
@@ -23,8 +23,8 @@ impl Kernel for ElasticKernel {
         let back = units.speed.lt(friction.constant(0.0));
         let signed = back.select(-friction, friction);
         let skid = given.simd.vectorize(GrossSlipCall { contacts: &contacts, friction: signed });
-        if !skid.found.any() {
-            return skid.found;
+        if !skid.is_first_root.any() {
+            return skid.is_first_root;
         }
         let SlidingState { loads, sin, cos, .. } = skid.at.state;
         let sides = [
@@ -38,12 +38,12 @@ impl Kernel for ElasticKernel {
         let power = skid.friction_power();
         let ideal = ideal_torque(units.axial, units.pitch, lead.0 / lead.1);
         let transmission =
-            &units.answer().transmission(ideal, skid.torque(), back.select(-power, power));
+            &units.result_units().transmission(ideal, skid.torque(), back.select(-power, power));
         let slip_angles = slip_angles(out, skid.friction());
         let (slip, rate) = (skid.at.motion.slip, skid.rate);
         let motion =
             ElasticMotion { slip, spin, slip_angles, rate, to_nut, friction_in_balance: true };
-        given.simd.vectorize(ElasticAnswer {
+        given.simd.vectorize(ElasticResults {
             out,
             units: &units,
             contacts: &contacts,
@@ -55,7 +55,7 @@ impl Kernel for ElasticKernel {
         });
         out.set(SolutionOutput::iterations, skid.steps);
         out.set(SolutionOutput::residual_norm, skid.residual);
-        skid.found & transmission.is_balanced()
+        skid.is_first_root & transmission.is_balanced()
     }
 }
 

@@ -136,7 +136,7 @@ impl Sink<'_, '_> {
 
     /// Stores all requested outputs of a solution.
     #[inline(always)]
-    pub(crate) fn put<S: Simd>(&mut self, solved: &SteadyState<Lane<S>>) {
+    pub(crate) fn store<S: Simd>(&mut self, solved: &SteadyState<Lane<S>>) {
         let Self { wanted, columns, row } = self;
         store_outputs(
             solved,

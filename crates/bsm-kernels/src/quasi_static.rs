@@ -7,7 +7,7 @@ use bsm_dyn::{Model, gothic::TwoContacts, solution::BallState};
 use bsm_kin::Real;
 use bsm_simd::Simd;
 
-use crate::closed_form::{backwards, screw_size};
+use crate::closed_form::{is_back_driving, screw_size};
 use crate::inputs::{LaneInputs, Mask};
 use crate::kernel::{Kernel, Sink};
 
@@ -19,7 +19,7 @@ impl Kernel for QuasiStaticKernel {
     #[inline(always)]
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
         let ball = given.get(InputKey::ball_diameter_mm);
-        let (back, zero) = (backwards(given), ball.constant(0.0));
+        let (back, zero) = (is_back_driving(given), ball.constant(0.0));
         let sign = back.select(zero.constant(-1.0), zero.constant(1.0));
         let contacts = TwoContacts {
             sines: given.sines(),
@@ -34,7 +34,7 @@ impl Kernel for QuasiStaticKernel {
 
         let ball = BallState::at_angle(given.get(InputKey::contact_angle_deg) * DEG);
         let (found, lead) = ((eta, eta.le(zero)), (back, contacts.sines.tan_a()));
-        out.put(&transmitted(ball, found, ratio, screw_size(given), lead));
+        out.store(&transmitted(ball, found, ratio, screw_size(given), lead));
         ratio.gt(zero)
     }
 }

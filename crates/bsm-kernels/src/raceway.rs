@@ -14,7 +14,7 @@ use bsm_simd::{NullaryFnOnce, Simd};
 
 use self::friction::Ellipse;
 use self::oil::OilLane;
-use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
+use crate::contacts::{Contacts, ElasticResults, UnitsCall};
 use crate::inputs::{Lane, LaneInputs, Mask};
 use crate::kernel::{Kernel, Sink};
 use crate::units::Units;
@@ -96,12 +96,12 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let Self { given, units, contacts, control, out } = self;
         let state = given.simd.vectorize(RollingCall { contacts, control });
         let (zero, unique) = (state.residual.constant(0.0), state.unique);
-        if !state.found.any() {
+        if !state.is_first_root.any() {
             return RacewayNumbers {
                 efficiency: zero,
                 skid: [zero; 2],
                 cotangents: [zero; 2],
-                found: state.found,
+                found: state.is_first_root,
                 unique,
             };
         }
@@ -114,12 +114,12 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let elastic = ElasticMotion {
             slip: [contacts.scaled.lead.0 * 0.5; 2],
             spin: motion.spin,
-            slip_angles: Some([units.answer().back().select(one * PI, zero); 2]),
+            slip_angles: Some([units.result_units().back().select(one * PI, zero); 2]),
             rate: motion.p + contacts.scaled.nut_speed,
             to_nut: motion.omega,
             friction_in_balance: false,
         };
-        given.simd.vectorize(ElasticAnswer {
+        given.simd.vectorize(ElasticResults {
             out: &mut *out,
             units,
             contacts,
@@ -143,7 +143,13 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let efficiency = transmission.efficiency;
         let [nut, screw] = &state.sides;
         let cotangents = [nut.cos / nut.sin, screw.cos / screw.sin];
-        RacewayNumbers { efficiency, skid, cotangents, found: state.found & resolved, unique }
+        RacewayNumbers {
+            efficiency,
+            skid,
+            cotangents,
+            found: state.is_first_root & resolved,
+            unique,
+        }
     }
 }
 

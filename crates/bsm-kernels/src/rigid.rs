@@ -54,8 +54,9 @@ impl Kernel for RigidKernel {
             return found;
         }
         let angle = given.get(InputKey::contact_angle_deg) * DEG;
-        let solved = ball.solved(&swept.motion, &si.answer(), angle, out.wants(&DIRECTIONS));
-        out.put(&solved);
+        let solved =
+            ball.steady_state(&swept.motion, &si.result_units(), angle, out.wants(&DIRECTIONS));
+        out.store(&solved);
         out.set(SolutionOutput::iterations, swept.count);
         out.set(SolutionOutput::residual_norm, swept.residual);
         // Unless the solution is known to be unique, the number of further solutions is unknown

@@ -3,7 +3,7 @@
 
 use bsm_case::InputKey;
 use bsm_case::units::{GPA, MM};
-use bsm_dyn::internals::AnswerUnits;
+use bsm_dyn::internals::ResultUnits;
 use bsm_dyn::{Ball, Material, hertz::contact_modulus};
 use bsm_kin::Drive;
 use bsm_simd::Simd;
@@ -53,9 +53,9 @@ impl<S: Simd> Units<S> {
 
     /// Returns the factors that convert dimensionless results to SI units.
     #[inline(always)]
-    pub(super) fn answer(&self) -> AnswerUnits<Lane<S>> {
+    pub(super) fn result_units(&self) -> ResultUnits<Lane<S>> {
         let Self { ball, axial, load, speed, .. } = *self;
-        AnswerUnits { length: ball, load, torque: ball * axial, speed }
+        ResultUnits { length: ball, load, torque: ball * axial, speed }
     }
 }
 

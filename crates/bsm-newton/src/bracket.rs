@@ -127,7 +127,7 @@ impl Bracket {
     /// # Errors
     ///
     /// Returns the first error of `function`.
-    pub fn first_change<E>(
+    pub fn first_sign_change<E>(
         begin: (f64, f64),
         places: impl IntoIterator<Item = f64>,
         mut function: impl FnMut(f64) -> Result<f64, E>,

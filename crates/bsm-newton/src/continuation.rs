@@ -5,9 +5,9 @@
 #[derive(Debug, Clone, Copy)]
 pub struct Continuation {
     /// Length of the first step, positive.
-    pub first: f64,
+    pub first_step: f64,
     /// Minimum step length. The continuation fails if it would need a shorter step.
-    pub shortest: f64,
+    pub min_step: f64,
 }
 
 /// Follows a root of `N` unknowns from the parameter `begin` to the parameter `end`.
@@ -32,7 +32,7 @@ pub fn follow<const N: usize>(
         return Err(None);
     }
     let direction = (end - begin).signum();
-    let (mut at, mut length) = (begin, control.first);
+    let (mut at, mut length) = (begin, control.first_step);
     let mut arrived = begin.total_cmp(&end).is_eq();
     let mut before: Option<(f64, [f64; N])> = None;
     while !arrived {
@@ -53,7 +53,7 @@ pub fn follow<const N: usize>(
             // The last step is shortened to the remaining distance, which may be less than
             // `length`.
             length = 0.5 * length.min((end - at).abs());
-            if length < control.shortest {
+            if length < control.min_step {
                 return Err(Some(at));
             }
         }
@@ -77,7 +77,7 @@ mod tests {
     fn continuation_reaches_a_root_that_newton_misses() {
         let mut y = [1.0];
         assert!(!root(1e6, &mut [1.0]));
-        let control = Continuation { first: 1.0, shortest: 1e-3 };
+        let control = Continuation { first_step: 1.0, min_step: 1e-3 };
         assert_eq!(follow(&mut y, (1.0, 1e6), control, root), Ok(()));
         // The function `root` permits an error of 1e-9 x in y². The error in y is therefore 1e-9
         // x/(2 y), which is less than 1e-6.
@@ -87,7 +87,7 @@ mod tests {
     /// The initial step length of 8 exceeds the length of the path, which is 2.
     #[test]
     fn continuation_does_not_retry_a_parameter_value_that_failed() {
-        let (mut tried, control) = (Vec::new(), Continuation { first: 8.0, shortest: 0.1 });
+        let (mut tried, control) = (Vec::new(), Continuation { first_step: 8.0, min_step: 0.1 });
         let end = follow(&mut [1.0], (1.0, -1.0), control, |x, y| {
             tried.push(x.to_bits());
             root(x, y)
@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn failed_continuation_reports_the_last_parameter_value_with_a_root() {
         let mut y = [1.0];
-        let control = Continuation { first: 0.1, shortest: 1e-3 };
+        let control = Continuation { first_step: 0.1, min_step: 1e-3 };
         let end = follow(&mut y, (1.0, -1.0), control, root).expect_err("the path ends");
         assert!(end.is_some_and(|x| (0.0..0.01).contains(&x)), "{end:?}");
         assert!(follow(&mut [1.0], (-1.0, 1.0), control, root) == Err(None));

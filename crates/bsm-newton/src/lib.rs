@@ -67,6 +67,8 @@ pub use implicit::implicit_slopes;
 pub use lanes::{LaneEquations, LaneIterate, LaneNewton, LaneStep, cramer};
 pub use linear::{BorderedBlock, BorderedMatrix, Dense, DynamicDense};
 pub use options::{ARMIJO, Backtracking, Convergence, JacobianUpdate, Options, Progress, Scales};
-pub use path::{EventRoot, Homotopy, PathEnd, Seed, StepControl, Trace, path_direction, trace};
+pub use path::{
+    CurveEquations, EventRoot, PathEnd, Seed, StepControl, Trace, path_direction, trace,
+};
 pub use report::{Report, Step, Termination};
 pub use solve::{Outcome, Workspace, solve};

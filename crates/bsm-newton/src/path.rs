@@ -34,7 +34,7 @@ pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
 }
 
 /// A curve, defined by a system of `N` equations in `M = N + 1` unknowns.
-pub trait Homotopy<const N: usize, const M: usize> {
+pub trait CurveEquations<const N: usize, const M: usize> {
     /// Returns the residual at `z`.
     ///
     /// # Errors
@@ -78,11 +78,11 @@ pub struct Seed<const M: usize> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepControl {
     /// Length of the first step, positive. Defaults to 0.1.
-    pub first: f64,
+    pub first_step: f64,
     /// Maximum step length. Defaults to 0.5.
-    pub longest: f64,
+    pub max_step: f64,
     /// Minimum step length. The path is lost if a shorter step would be needed. Defaults to 1e-7.
-    pub shortest: f64,
+    pub min_step: f64,
     /// Step length below which a step is accepted even if it may hide a pair of sign changes.
     /// Defaults to 1e-3.
     pub pair_resolution: f64,
@@ -91,7 +91,7 @@ pub struct StepControl {
     /// Scaled residual to which the points of the path are refined, as in
     /// [`Convergence::residual_goal`]. If it exceeds the default of [`Convergence::residual_tol`],
     /// it is also the residual tolerance. Defaults to 1e-10.
-    pub goal: f64,
+    pub residual_goal: f64,
     /// Relative tolerance for the location of a crossing within a step. Defaults to 1e-14.
     pub root_tolerance: f64,
     /// Rule that decides when the Jacobian is evaluated during a correction, as in
@@ -102,12 +102,12 @@ pub struct StepControl {
 impl Default for StepControl {
     fn default() -> Self {
         Self {
-            first: 0.1,
-            longest: 0.5,
-            shortest: 1e-7,
+            first_step: 0.1,
+            max_step: 0.5,
+            min_step: 1e-7,
             pair_resolution: 1e-3,
             max_points: 1000,
-            goal: Convergence::default().residual_goal,
+            residual_goal: Convergence::default().residual_goal,
             root_tolerance: 1e-14,
             jacobian: JacobianUpdate::default(),
         }
@@ -193,8 +193,8 @@ const MAX_EASY_STEPS: usize = 4;
 ///
 /// Source: Allgower and Georg, *Introduction to Numerical Continuation Methods*, ch. 2 and 6. The
 /// guard (N14) is our own.
-pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
-    homotopy: &F,
+pub fn trace<const N: usize, const M: usize, const K: usize, F: CurveEquations<N, M>>(
+    equations: &F,
     seed: &Seed<M>,
     events: impl FnMut(&[f64; M], &[f64; M]) -> [(f64, f64); K],
     on: impl FnMut(&Trace<M>) -> bool,
@@ -203,12 +203,12 @@ pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
     const { assert!(M == N + 1, "a curve needs one more unknown than equations") };
     let (crossings, end) = (Vec::new(), PathEnd::MaxPoints);
     let trace = Trace { crossings, last: seed.z, end, points: 0, unresolved: 0, steps: 0 };
-    Tracer { homotopy, events, on, control, work: Workspace::default(), trace }.run(seed)
+    Tracer { equations, events, on, control, work: Workspace::default(), trace }.run(seed)
 }
 
 /// Equations of a curve, together with a plane that intersects it.
 struct OnPlane<'a, const N: usize, const M: usize, F> {
-    homotopy: &'a F,
+    equations: &'a F,
     foot: [f64; M],
     normal: [f64; M],
 }
@@ -221,16 +221,18 @@ impl<const N: usize, const M: usize, F> OnPlane<'_, N, M, F> {
     }
 }
 
-impl<const N: usize, const M: usize, F: Homotopy<N, M>> Equations<M> for OnPlane<'_, N, M, F> {
+impl<const N: usize, const M: usize, F: CurveEquations<N, M>> Equations<M>
+    for OnPlane<'_, N, M, F>
+{
     type Details = ();
     type Slopes = ();
 
     fn residual(&self, z: &[f64; M]) -> Result<([f64; M], ()), EvalError> {
-        Ok((self.values(z, &self.homotopy.residual(z)?), ()))
+        Ok((self.values(z, &self.equations.residual(z)?), ()))
     }
 
     fn linearize(&self, z: &[f64; M], rows: &mut [[f64; M]; M]) -> Linearized<M, Self> {
-        let (residual, known) = self.homotopy.linearize(z)?;
+        let (residual, known) = self.equations.linearize(z)?;
         rows[..N].copy_from_slice(&known);
         rows[N] = self.normal;
         Ok((self.values(z, &residual), (), ()))
@@ -247,7 +249,7 @@ struct Node<const M: usize, const K: usize> {
 }
 
 struct Tracer<'a, const N: usize, const M: usize, F, E, D> {
-    homotopy: &'a F,
+    equations: &'a F,
     events: E,
     on: D,
     control: &'a StepControl,
@@ -257,7 +259,7 @@ struct Tracer<'a, const N: usize, const M: usize, F, E, D> {
 
 impl<const N: usize, const M: usize, const K: usize, F, E, D> Tracer<'_, N, M, F, E, D>
 where
-    F: Homotopy<N, M>,
+    F: CurveEquations<N, M>,
     E: FnMut(&[f64; M], &[f64; M]) -> [(f64, f64); K],
     D: FnMut(&Trace<M>) -> bool,
 {
@@ -272,7 +274,7 @@ where
     /// Returns the first point of the path and the orientation of the path relative to the
     /// direction of (N8), which is 1 or -1.
     fn begin(&mut self, seed: &Seed<M>) -> Option<(Node<M, K>, f64)> {
-        let sizes = self.homotopy.sizes(&seed.z);
+        let sizes = self.equations.sizes(&seed.z);
         let across = unit(&seed.towards, &sizes);
         let (z, _) = self.corrected(&seed.z, &across, &sizes)?;
         let along = dot(&self.work.direction()?, &normal(&across, &sizes));
@@ -289,9 +291,9 @@ where
         sizes: &[f64; M],
     ) -> Option<([f64; M], usize)> {
         let plane =
-            OnPlane { homotopy: self.homotopy, foot: *foot, normal: normal(direction, sizes) };
+            OnPlane { equations: self.equations, foot: *foot, normal: normal(direction, sizes) };
         let scales = Scales { x: &sizes.map(f64::recip), f: &self.weights(foot) };
-        let residual_goal = self.control.goal;
+        let residual_goal = self.control.residual_goal;
         let convergence = Convergence {
             residual_tol: Convergence::default().residual_tol.max(residual_goal),
             residual_goal,
@@ -310,7 +312,7 @@ where
     }
 
     fn weights(&self, z: &[f64; M]) -> [f64; M] {
-        let weights = self.homotopy.weights(z);
+        let weights = self.equations.weights(z);
         from_fn(|i| if i < N { weights[i] } else { 1.0 })
     }
 
@@ -320,7 +322,7 @@ where
     /// The tangent is calculated from the last Jacobian of the correction, which was evaluated at
     /// this point or at a nearby iterate.
     fn node(&mut self, z: &[f64; M], orientation: f64) -> Option<Node<M, K>> {
-        let sizes = self.homotopy.sizes(z);
+        let sizes = self.equations.sizes(z);
         let direction = self.work.direction()?;
         let direction = unit(&direction.map(|t| t * orientation), &sizes);
         let events = (self.events)(z, &direction);
@@ -329,7 +331,7 @@ where
     }
 
     fn follow_curve(&mut self, begin: &Node<M, K>, orientation: f64) -> PathEnd {
-        let (mut at, mut length) = (*begin, self.control.first);
+        let (mut at, mut length) = (*begin, self.control.first_step);
         for point in 0..self.control.max_points {
             self.trace.points = point + 1;
             let Some((next, easy)) = self.next(&at, begin, &mut length, orientation, point) else {
@@ -344,7 +346,7 @@ where
                 return PathEnd::Closed;
             }
             at = next;
-            length = (length * if easy { 1.6 } else { 1.0 }).min(self.control.longest);
+            length = (length * if easy { 1.6 } else { 1.0 }).min(self.control.max_step);
         }
         PathEnd::MaxPoints
     }
@@ -359,14 +361,16 @@ where
         orientation: f64,
         point: usize,
     ) -> Option<(Node<M, K>, bool)> {
-        while *length >= self.control.shortest {
+        while *length >= self.control.min_step {
             if let Some((mut next, easy)) = self.step(at, *length, orientation) {
                 let mut moved = distance(&at.z, &next.z, &at.sizes);
                 if point > 1 && passes(begin, at, &next, moved) {
                     (next, moved) = (*begin, distance(&at.z, &begin.z, &at.sizes));
                 }
                 let hides = (0..K).any(|k| may_miss_pair([at.events[k], next.events[k]], moved));
-                if (!hides || moved <= self.control.pair_resolution) && self.cross(at, &next) {
+                if (!hides || moved <= self.control.pair_resolution)
+                    && self.store_crossings(at, &next)
+                {
                     self.trace.unresolved += usize::from(hides);
                     return Some((next, easy));
                 }
@@ -394,7 +398,7 @@ where
     }
 
     /// Stores the crossings between two points. Returns false if a crossing cannot be located.
-    fn cross(&mut self, at: &Node<M, K>, next: &Node<M, K>) -> bool {
+    fn store_crossings(&mut self, at: &Node<M, K>, next: &Node<M, K>) -> bool {
         let mut crossings = Vec::new();
         let way: [f64; M] = from_fn(|i| next.z[i] - at.z[i]);
         for event in 0..K {

@@ -40,7 +40,11 @@ fn nut(balls: u16) -> BallNut {
         errors: Errors::default(),
         nut_bar: Some(Bar { stiffness: bodies * bodies * 453e6, anchor: -0.01 }),
         screw_bar: Some(Bar { stiffness: bodies * bodies * 219.7e6, anchor: length + 0.01 }),
-        ring: Some(Ring { outer: 70e-3, inner: 45.826e-3, youngs_modulus: 206e9 }),
+        ring: Some(Ring {
+            outer_diameter: 70e-3,
+            inner_diameter: 45.826e-3,
+            youngs_modulus: 206e9,
+        }),
         reference: None,
         precession: 0.0,
     }

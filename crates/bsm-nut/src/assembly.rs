@@ -54,7 +54,7 @@ pub(crate) struct Assembly<'a> {
     pub(crate) nut: &'a BallNut,
     support: Support,
     ball: FourContacts,
-    seats: Vec<BallSite>,
+    sites: Vec<BallSite>,
     nodes: usize,
     /// Displacement along the binormal divided by the axial displacement, `$\cos\alpha$`.
     along: f64,
@@ -72,10 +72,10 @@ pub(crate) struct Assembly<'a> {
 pub(crate) struct EnergyState {
     pub(crate) energy: f64,
     /// Sum of the absolute values of all contributions to the energy \[J\].
-    pub(crate) energies: f64,
+    pub(crate) energy_scale: f64,
     pub(crate) residual: Vec<f64>,
     /// Sum of the absolute values of all forces \[N\].
-    pub(crate) forces: f64,
+    pub(crate) force_scale: f64,
     pub(crate) balls: Vec<BallInGrooves>,
     pub(crate) grooves: Vec<[f64; 2]>,
 }
@@ -133,8 +133,8 @@ impl<'a> Assembly<'a> {
                 guides.push(Spring { ends: (i, None), stiffness: freedom.spring() });
             }
         }
-        let reference = nut.middle();
-        let seat = |(number, position): (usize, BallPosition)| {
+        let reference = nut.reference_position();
+        let site = |(number, position): (usize, BallPosition)| {
             let node = nodes.partition_point(|z| *z < position.z - 1e-9 * length);
             let ring = first + FREEDOMS + position.circuit;
             let frame = nut.helix.frame(position.theta);
@@ -148,14 +148,14 @@ impl<'a> Assembly<'a> {
                 ring: (!rings.is_empty()).then_some(ring),
             }
         };
-        let seats: Vec<_> = positions.into_iter().enumerate().map(seat).collect();
+        let sites: Vec<_> = positions.into_iter().enumerate().map(site).collect();
         let groove = ball.grooves.offsets[0].min(ball.grooves.offsets[1]);
-        if let Some(ball) = seats.iter().position(|seat| seat.error.1 >= groove) {
+        if let Some(ball) = sites.iter().position(|site| site.error.1 >= groove) {
             return Err(NutError::BallTooLarge { ball });
         }
         Ok(Self {
             ball,
-            seats,
+            sites,
             matrix: BorderedMatrix::new(nodes.len(), FREEDOMS + rings.len()),
             nodes: nodes.len(),
             along: nut.helix.lead_angle.cos(),
@@ -201,33 +201,33 @@ impl<'a> Assembly<'a> {
     pub(crate) fn state(&self, y: &[f64]) -> Result<EnergyState, usize> {
         let first = self.freedoms();
         let mut state = EnergyState { residual: vec![0.0; y.len()], ..EnergyState::default() };
-        for (number, seat) in self.seats.iter().enumerate() {
-            let (mut w, oversize) = seat.error;
-            for (q, by) in y[first..].iter().zip(seat.nut_matrix) {
+        for (number, site) in self.sites.iter().enumerate() {
+            let (mut w, oversize) = site.error;
+            for (q, by) in y[first..].iter().zip(site.nut_matrix) {
                 w[0] += by[0] * q;
                 w[1] += by[1] * q;
             }
             // w_b += cosα (n_i − s_i),  w_n −= w_c                        (U5)
-            if let Some(node) = seat.node {
+            if let Some(node) = site.node {
                 w[0] += self.along * (y[2 * node] - y[2 * node + 1]);
             }
-            if let Some(ring) = seat.ring {
+            if let Some(ring) = site.ring {
                 w[1] -= y[ring];
             }
-            let flanks = self.nut.circuits[seat.position.circuit].flanks;
+            let flanks = self.nut.circuits[site.position.circuit].flanks;
             let ball = self.ball.at(w, oversize, flanks).ok_or(number)?;
             state.energy += ball.energy;
-            state.energies += ball.energy.abs();
-            state.forces += ball.max_load();
+            state.energy_scale += ball.energy.abs();
+            state.force_scale += ball.max_load();
             // r = Σ A_jᵀ G_j + …                                          (U15)
-            for (r, by) in state.residual[first..].iter_mut().zip(seat.nut_matrix) {
+            for (r, by) in state.residual[first..].iter_mut().zip(site.nut_matrix) {
                 *r += dot(by, ball.force);
             }
-            if let Some(node) = seat.node {
+            if let Some(node) = site.node {
                 state.residual[2 * node] += self.along * ball.force[0];
                 state.residual[2 * node + 1] -= self.along * ball.force[0];
             }
-            if let Some(ring) = seat.ring {
+            if let Some(ring) = site.ring {
                 state.residual[ring] -= ball.force[1];
             }
             state.balls.push(ball);
@@ -237,7 +237,7 @@ impl<'a> Assembly<'a> {
             let stretch = y[i] - other.map_or(0.0, |k| y[k]);
             let energy = 0.5 * stiffness * stretch * stretch;
             state.energy += energy;
-            state.energies += energy;
+            state.energy_scale += energy;
             state.residual[i] += stiffness * stretch;
             if let Some(k) = other {
                 state.residual[k] -= stiffness * stretch;
@@ -246,12 +246,12 @@ impl<'a> Assembly<'a> {
         for (i, freedom) in self.support.0.iter().enumerate() {
             let load = freedom.load();
             state.energy -= load * y[first + i];
-            state.energies += (load * y[first + i]).abs();
+            state.energy_scale += (load * y[first + i]).abs();
             state.residual[first + i] -= load;
             // Moments are divided by the pitch circle radius, so that they can be compared with
             // forces.
             let lever_arm = if i < 3 { 1.0 } else { self.nut.helix.radius };
-            state.forces += load.abs() / lever_arm;
+            state.force_scale += load.abs() / lever_arm;
         }
         for (residual, fixed) in state.residual.iter_mut().zip(&self.fixed[0]) {
             if *fixed {
@@ -269,15 +269,15 @@ impl<'a> Assembly<'a> {
         matrix.clear();
         let mut of_the_nut = [[0.0; FREEDOMS]; FREEDOMS];
         // H = K_q + Σ A_jᵀ V″ A_j                                         (U16)
-        for (seat, ball) in self.seats.iter().zip(&state.balls) {
+        for (site, ball) in self.sites.iter().zip(&state.balls) {
             let [[bb, bn], [_, nn]] = ball.slope;
-            let pulled = seat.nut_matrix.map(|by| [dot([bb, bn], by), dot([bn, nn], by)]);
+            let pulled = site.nut_matrix.map(|by| [dot([bb, bn], by), dot([bn, nn], by)]);
             for (row, pulled) in of_the_nut.iter_mut().zip(&pulled) {
-                for (entry, by) in row.iter_mut().zip(seat.nut_matrix) {
+                for (entry, by) in row.iter_mut().zip(site.nut_matrix) {
                     *entry += dot(*pulled, by);
                 }
             }
-            if let Some(node) = seat.node {
+            if let Some(node) = site.node {
                 let block = matrix.block_mut(node);
                 let own = along * along * bb;
                 for (row, sign) in block.rows.iter_mut().zip([1.0, -1.0]) {
@@ -293,11 +293,11 @@ impl<'a> Assembly<'a> {
                 for (i, [b, _]) in pulled.iter().enumerate() {
                     couple(i, along * b);
                 }
-                if let Some(ring) = seat.ring {
+                if let Some(ring) = site.ring {
                     couple(ring - first, -along * bn);
                 }
             }
-            if let Some(ring) = seat.ring {
+            if let Some(ring) = site.ring {
                 matrix.add(ring, ring, nn);
                 for (i, [_, n]) in pulled.iter().enumerate() {
                     matrix.add(first + i, ring, -n);
@@ -328,12 +328,12 @@ impl<'a> Assembly<'a> {
     /// Adds damping to the diagonal of the matrix. Each diagonal entry is increased by a fraction
     /// of the stiffness that its unknown would have if all balls carried equal loads.
     pub(crate) fn damp(&mut self, state: &EnergyState, part: f64) {
-        let share = (state.forces / count(self.seats.len())).max(f64::MIN_POSITIVE);
+        let share = (state.force_scale / count(self.sites.len())).max(f64::MIN_POSITIVE);
         let one = 1.5 * self.ball.series.stiffness.powf(2.0 / 3.0) * share.cbrt();
         let mut usual = vec![one; self.fixed[0].len()];
         let mut all = [0.0; FREEDOMS];
-        for seat in &self.seats {
-            for (all, by) in all.iter_mut().zip(seat.nut_matrix) {
+        for site in &self.sites {
+            for (all, by) in all.iter_mut().zip(site.nut_matrix) {
                 *all += one * dot(by, by);
             }
         }
@@ -352,7 +352,7 @@ impl<'a> Assembly<'a> {
             if tilts.contains(&i) { r.abs() / self.nut.helix.radius } else { r.abs() }
         };
         let imbalance = state.residual.iter().enumerate().map(force).fold(0.0, f64::max);
-        if imbalance == 0.0 { 0.0 } else { imbalance / state.forces }
+        if imbalance == 0.0 { 0.0 } else { imbalance / state.force_scale }
     }
 
     /// Returns how far the nut has moved relative to the screw \[m\]. If the bodies are elastic,
@@ -363,14 +363,14 @@ impl<'a> Assembly<'a> {
         if self.nodes == 0 {
             return [u_z, u_x, u_y].into_iter().fold(0.0, |most: f64, u| most.max(u.abs()));
         }
-        let at = |seat: &BallSite| {
-            let [x, y_j, zeta] = seat.lever_arm;
-            let strain = seat.node.map_or(0.0, |node| y[2 * node] - y[2 * node + 1]);
+        let at = |site: &BallSite| {
+            let [x, y_j, zeta] = site.lever_arm;
+            let strain = site.node.map_or(0.0, |node| y[2 * node] - y[2 * node + 1]);
             let along = u_z + phi_x * y_j - phi_y * x + strain;
             let across = [u_x + phi_y * zeta, u_y - phi_x * zeta];
             (along * along + dot(across, across)).sqrt()
         };
-        self.seats.iter().map(at).fold(f64::MAX, f64::min)
+        self.sites.iter().map(at).fold(f64::MAX, f64::min)
     }
 
     /// Returns the forces and moments that the nut exerts on its balls, one for each degree of
@@ -378,12 +378,12 @@ impl<'a> Assembly<'a> {
     pub(crate) fn carried(&self, state: &EnergyState) -> ([f64; FREEDOMS], Vec<f64>) {
         let mut carried = [0.0; FREEDOMS];
         let mut bodies = Vec::new();
-        for (seat, ball) in self.seats.iter().zip(&state.balls) {
-            let forces = seat.nut_matrix.map(|by| dot(by, ball.force));
+        for (site, ball) in self.sites.iter().zip(&state.balls) {
+            let forces = site.nut_matrix.map(|by| dot(by, ball.force));
             for (carried, force) in carried.iter_mut().zip(forces) {
                 *carried += force;
             }
-            let body = self.nut.circuits[seat.position.circuit].body;
+            let body = self.nut.circuits[site.position.circuit].body;
             if bodies.len() <= body {
                 bodies.resize(body + 1, 0.0);
             }
@@ -394,7 +394,7 @@ impl<'a> Assembly<'a> {
 
     /// Returns the positions of the balls.
     pub(crate) fn positions(&self) -> Vec<BallPosition> {
-        self.seats.iter().map(|seat| seat.position).collect()
+        self.sites.iter().map(|site| site.position).collect()
     }
 
     /// Returns the stiffness matrix of the nut for its five degrees of freedom. All other unknowns

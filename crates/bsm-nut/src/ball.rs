@@ -116,7 +116,7 @@ impl FourContacts {
         // The total approach δ of both contacts follows from the energy V = ⅖ Q δ. The contact at
         // the screw accounts for a fixed fraction of δ.
         let approach = (1.0 - self.nut_share) * ball.energy / (0.4 * ball.load);
-        let [x_b, x_n, _] = grooves.between([0.0, approach], [ball.angle; 2]);
+        let [x_b, x_n, _] = grooves.position_for([0.0, approach], [ball.angle; 2]);
         Vector2::new(SIGNS[diagonal] * x_b, x_n)
     }
 

@@ -17,9 +17,9 @@ pub struct Bar {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ring {
     /// Outer diameter \[m\], larger than the inner diameter.
-    pub outer: f64,
+    pub outer_diameter: f64,
     /// Inner diameter \[m\], positive.
-    pub inner: f64,
+    pub inner_diameter: f64,
     /// Young's modulus \[Pa\], positive.
     pub youngs_modulus: f64,
 }
@@ -30,7 +30,8 @@ impl Ring {
     /// * `lead`: lead of the screw \[m\].
     /// * `arc`: angle of the loaded part of the circuit \[rad\].
     pub fn stiffness(&self, lead: f64, arc: f64) -> f64 {
-        let (outer, inner) = (self.outer * self.outer, self.inner * self.inner);
+        let (outer, inner) =
+            (self.outer_diameter * self.outer_diameter, self.inner_diameter * self.inner_diameter);
         let height = lead / TAU;
         // k_r = E h Θ_c 2π / [(D² + D_t²)/(D² − D_t²) + 1]                (U14)
         self.youngs_modulus * height * arc * TAU / ((outer + inner) / (outer - inner) + 1.0)

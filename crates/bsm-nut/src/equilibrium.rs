@@ -88,7 +88,7 @@ pub struct Equilibrium {
     /// Axial force that each nut body exerts on its balls \[N\].
     pub bodies: Vec<f64>,
     /// Radial expansion of the nut at each circuit \[m\]. The list is empty if the nut is rigid.
-    pub widening: Vec<f64>,
+    pub radial_expansions: Vec<f64>,
     /// Number of Newton steps.
     pub steps: usize,
     /// Largest residual force divided by the sum of the absolute values of all forces.

@@ -6,7 +6,7 @@
 use std::cell::Cell;
 
 use bsm_dyn::{
-    Control, Coulomb, ElasticPoint, Load, Model, NoAnswer, OperatingPoint, Solution,
+    Control, Coulomb, ElasticPoint, Load, Model, OperatingPoint, Solution, SolveFailure,
     gothic::{
         ArchFit, AxialCondition, GothicBall, GothicPair, GothicState, GothicWorkspace, RunningPair,
     },
@@ -30,7 +30,7 @@ pub struct NutFriction {
     pub motions: Vec<Option<FreeMotion>>,
     /// Number of balls that are loaded on both flanks at rest. For these balls, friction is
     /// integrated over all contact ellipses, whichever model is used for the other balls.
-    pub on_both_flanks: usize,
+    pub balls_on_both_flanks: usize,
     /// Third contacts of balls that friction presses onto a far flank. At rest, these balls are
     /// loaded on one diagonal only.
     pub third_contacts: ThirdContacts,
@@ -89,7 +89,7 @@ impl BallModel {
     /// Returns the model of a solution and the choices of this model, or `None` if there is no
     /// solution.
     fn of(solution: &Solution) -> Option<Self> {
-        let solved = solution.solved()?;
+        let solved = solution.steady_state()?;
         let accuracy = solution.choice.and_then(|choice| match choice.basis {
             Basis::Integrated { accuracy } => Some(accuracy),
             _ => None,
@@ -138,7 +138,7 @@ pub struct FrictionSum {
     /// contacts, each value is half of the torque.
     pub contacts: [f64; 2],
     /// Torque due to the ball returns \[N·m\].
-    pub returns: f64,
+    pub ball_returns: f64,
     /// Part of the torque that results from a given force between neighboring balls \[N·m\].
     pub ball_contact: f64,
     /// Part of the torque that results from lubricant drag \[N·m\].
@@ -150,7 +150,7 @@ impl FrictionSum {
     fn add(&mut self, other: &Self, part: f64) {
         self.torque += part * other.torque;
         self.contacts = [0, 1].map(|side| self.contacts[side] + part * other.contacts[side]);
-        self.returns += part * other.returns;
+        self.ball_returns += part * other.ball_returns;
         self.ball_contact += part * other.ball_contact;
         self.drag += part * other.drag;
     }
@@ -283,7 +283,7 @@ impl BallNut {
             ..share.point
         };
         GothicBall {
-            at: ElasticPoint { point, ..share },
+            screw: ElasticPoint { point, ..share },
             fit,
             far_friction,
             accuracy: ARCH_ACCURACY,
@@ -320,14 +320,14 @@ impl BallNut {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no steady motion of the balls exists or was found.
+    /// Returns [`SolveFailure`] if no steady motion of the balls exists or was found.
     pub fn running_pair(
         &self,
         preload: f64,
         friction: FlankFriction,
         drive: &Drive<f64>,
         play: Option<f64>,
-    ) -> Option<Result<RunningPair, NoAnswer>> {
+    ) -> Option<Result<RunningPair, SolveFailure>> {
         let (balls, friction) = (self.balls_of_a_pair()?, friction.coefficients()?);
         let axial_play = play.unwrap_or(f64::INFINITY);
         let fit = ArchFit { axial_play, radial_gap: self.errors.gap, oversize: 0.0 };
@@ -380,7 +380,7 @@ impl BallNut {
                 motions.push(None);
                 return Some(0.0);
             }
-            let before = last.filter(|(other, _)| self.alike(found, *other, number));
+            let before = last.filter(|(other, _)| self.have_equal_loads(found, *other, number));
             let (as_of, ball) = match before {
                 None => (number, each.friction_of(number)?),
                 Some(like) => like,
@@ -402,11 +402,11 @@ impl BallNut {
         let all = balls.len() == found.balls.len();
         let torque = all.then(|| balls.iter().sum::<f64>());
         let on_both = |ball: &BallInGrooves| ball.flanks_pressed() == [true, true];
-        let on_both_flanks = found.balls.iter().filter(|ball| on_both(ball)).count();
+        let balls_on_both_flanks = found.balls.iter().filter(|ball| on_both(ball)).count();
         let mut friction = NutFriction {
             balls,
             motions,
-            on_both_flanks,
+            balls_on_both_flanks,
             third_contacts,
             mean_friction: (lubricated > 0.0).then(|| coefficients / lubricated),
             parts: all.then_some(sum),
@@ -427,8 +427,9 @@ impl BallNut {
         balls: Option<f64>,
     ) {
         let speed = drive.relative_speed();
-        let all =
-            balls.zip(friction.parts).map(|(balls, parts)| balls + parts.returns + seal_torque);
+        let all = balls
+            .zip(friction.parts)
+            .map(|(balls, parts)| balls + parts.ball_returns + seal_torque);
         let axial: f64 = found.bodies.iter().sum();
         let ideal = self.helix.lead() / std::f64::consts::TAU * axial;
         friction.torque = balls;
@@ -471,7 +472,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
 
     /// Returns a screw whose only ball is the ball with the given index (see
     /// [`BallNut::ball_alone`]).
-    fn alone(&self, number: usize) -> Option<ElasticPoint> {
+    fn ball_alone(&self, number: usize) -> Option<ElasticPoint> {
         let friction = self.friction.loaded.unwrap_or(f64::NAN);
         self.nut.ball_alone(self.found, number, friction, self.drive)
     }
@@ -508,7 +509,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
 
     /// Returns the friction of a ball with two contacts (U21).
     fn on_two_contacts(&mut self, number: usize) -> Option<FreeBall> {
-        let alone = self.friction_alone(self.alone(number)?)?;
+        let alone = self.friction_alone(self.ball_alone(number)?)?;
         let friction = alone.friction.limited_by_sliding(alone.sliding_share);
         Some(FreeBall { friction, ..alone })
     }
@@ -540,7 +541,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
     ) -> Option<FreeBall> {
         let dry_ball = self.in_own_arches(number, friction, play);
         let found = dry_ball.solution(&mut self.arches);
-        let solved = found.solved()?;
+        let solved = found.steady_state()?;
         let Some(far) = solved.far_flank.filter(|far| far.contact.is_some()) else {
             return Some(*free);
         };
@@ -557,7 +558,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
     /// Returns the ball in its gothic arches, loaded by the axial force that acts on it.
     fn in_own_arches(&self, number: usize, friction: [f64; 2], play: f64) -> GothicBall {
         let mut ball = self.nut.ball_in_arches(self.found, number, (friction, play), self.drive);
-        ball.at.point.load = Load { axial: self.axial_force(number), balls: 1.0 };
+        ball.screw.point.load = Load { axial: self.axial_force(number), balls: 1.0 };
         ball
     }
 
@@ -571,13 +572,13 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         &mut self,
         number: usize,
         (friction, far_flanks): ([f64; 2], FarFlanks),
-    ) -> Result<GothicState, NoAnswer> {
+    ) -> Result<GothicState, SolveFailure> {
         let axial = self.axial_force(number);
         let play = match far_flanks {
             FarFlanks::WithPlay(play) => play,
             FarFlanks::AsAtRest => {
                 let ball = self.in_own_arches(number, friction, 0.0);
-                ball.play_against_push(axial, &mut self.arches).unwrap_or(0.0)
+                ball.compensating_play(axial, &mut self.arches).unwrap_or(0.0)
             }
         };
         let ball = self.in_own_arches(number, friction, play);
@@ -621,23 +622,23 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         let signed = alone.point.drive.relative_speed();
         let speed = signed.abs();
         let solution = (self.solve)(alone);
-        let solved = solution.solved()?;
+        let solved = solution.steady_state()?;
         let torque = solved.transmission.screw_torque?;
         let of_film = |power: fn(&OutsidePower) -> f64| {
             solved.film.map_or(0.0, |film| power(&film.outside) / speed)
         };
-        let returns = of_film(|outside| outside.ball_return);
+        let ball_returns = of_film(|outside| outside.ball_return);
         let ball_contact = of_film(|outside| outside.ball_contact);
         let drag = of_film(|outside| outside.drag);
         let per_radian = nut.helix.lead() / std::f64::consts::TAU;
         // T_f = |T − h F|                                                 (U21)
-        let torque = (torque - per_radian * alone.point.load.axial).abs() - returns;
+        let torque = (torque - per_radian * alone.point.load.axial).abs() - ball_returns;
         let contacts = solved.contact_power.map(|of| of.map(|power| power / speed));
         let contacts = contacts.unwrap_or([0.5 * torque; 2]);
         let to_nut = |motion: Motion<f64>| motion.relative_to(nut_speed, &nut.frenet());
         let of_ball = |motion| nut.free_motion(&to_nut(motion), signed, Some(&solved.ball));
         let motion = solved.ball.motion.map(of_ball);
-        let friction = FrictionSum { torque, contacts, returns, ball_contact, drag };
+        let friction = FrictionSum { torque, contacts, ball_returns, ball_contact, drag };
         let mean_friction = solved.film.map(|film| film.mean_friction());
         let rolls = solution.model == Model::RacewayControl;
         let load = solved.ball.screw.load.filter(|_| rolls && contacts[0] + contacts[1] > 0.0);
@@ -731,7 +732,7 @@ impl BallNut {
                 }
                 continue;
             }
-            let alone = each.alone(group[0])?;
+            let alone = each.ball_alone(group[0])?;
             let angles = (0_u8..).take_while(|k| f64::from(*k) < points);
             let mut nodes = Vec::with_capacity(group.len());
             for (number, angle) in angles.enumerate() {
@@ -791,8 +792,11 @@ impl BallNut {
                 continue;
             }
             let light = model_of(lightest)?;
-            let heavy =
-                if self.alike(found, lightest, heaviest) { light } else { model_of(heaviest)? };
+            let heavy = if self.have_equal_loads(found, lightest, heaviest) {
+                light
+            } else {
+                model_of(heaviest)?
+            };
             for number in group {
                 models[number] = Some(if light == heavy { light } else { model_of(number)? });
             }
@@ -870,7 +874,7 @@ impl BallNut {
 
     /// Returns true if two balls have equal loads, contact angles and oversizes, except for
     /// rounding errors.
-    pub(crate) fn alike(&self, found: &Equilibrium, one: usize, other: usize) -> bool {
+    pub(crate) fn have_equal_loads(&self, found: &Equilibrium, one: usize, other: usize) -> bool {
         /// Largest relative difference between two loads or contact angles that count as equal. The
         /// residual of the nut equilibrium is 1e-12 relative to the loads.
         const SAME: f64 = 1e-10;

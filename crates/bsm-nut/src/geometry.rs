@@ -76,14 +76,14 @@ impl Errors {
     /// Increases the radius of all balls by `growth` \[m\]. In a nut with play, the larger balls
     /// first reduce the play. Only the growth that exceeds the play makes the balls oversize.
     ///
-    /// * `inclination`: axial component of a unit normal load.
-    fn grow_into_play(&mut self, growth: f64, inclination: f64) {
+    /// * `axial_fraction`: axial component of a unit normal load.
+    fn grow_into_play(&mut self, growth: f64, axial_fraction: f64) {
         // If the play is not given, it is so large that the growth of the balls cannot close it.
         let Some(play) = self.axial_play else { return };
         // s_a ← s_a − 4 Δr/(sinβ₀ cosα)                                   (U35)
-        let left = play - 4.0 * growth / inclination;
+        let left = play - 4.0 * growth / axial_fraction;
         self.axial_play = Some(left.max(0.0));
-        self.oversize += (-0.25 * inclination * left).max(0.0);
+        self.oversize += (-0.25 * axial_fraction * left).max(0.0);
     }
 }
 
@@ -161,11 +161,11 @@ impl BallNut {
         let slope = of_nut - of_screw;
         // e += (ε_n − ε_s)(z − z_ref),  g += r_m (ε_n − ε_s),
         // Δr += r_b [ε_b − (ε_n + ε_s)/2]                                 (U31)
-        nut.errors.lead.push(LeadError::Slope { slope, origin: self.middle() });
+        nut.errors.lead.push(LeadError::Slope { slope, origin: self.reference_position() });
         nut.errors.gap += self.helix.radius * slope;
         let growth = self.ball.radius * (of_balls - 0.5 * (of_nut + of_screw));
         if self.has_play() {
-            nut.errors.grow_into_play(growth, self.inclination());
+            nut.errors.grow_into_play(growth, self.axial_fraction());
         } else {
             nut.errors.oversize += growth;
         }
@@ -189,14 +189,16 @@ impl BallNut {
     pub fn strained(&self, strain: f64, poisson_ratio: f64) -> Self {
         let mut nut = self.clone();
         // e −= s (z − z_ref),  g += r_m ν s                               (I5)
-        nut.errors.lead.push(LeadError::Slope { slope: -strain, origin: self.middle() });
+        nut.errors
+            .lead
+            .push(LeadError::Slope { slope: -strain, origin: self.reference_position() });
         nut.errors.gap += self.helix.radius * poisson_ratio * strain;
         nut
     }
 
     /// Returns the axial position of the reference point, to which displacements and loads refer
     /// \[m\].
-    pub fn middle(&self) -> f64 {
+    pub fn reference_position(&self) -> f64 {
         let mean = || {
             let positions = self.positions();
             positions.iter().map(|position| position.z).sum::<f64>() / count(positions.len())
@@ -273,7 +275,7 @@ impl BallNut {
 
     /// Returns the axial component of a normal force of 1 N at first contact,
     /// `$\sin\beta_0\cos\alpha$`.
-    pub(crate) fn inclination(&self) -> f64 {
+    pub(crate) fn axial_fraction(&self) -> f64 {
         self.contact_angle.sin() * self.helix.lead_angle.cos()
     }
 

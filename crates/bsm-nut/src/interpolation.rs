@@ -3,12 +3,12 @@
 
 /// Relative remainder below which a monomial counts as linearly dependent on the previous
 /// monomials, because the remainder is only rounding error.
-const DEPENDENT: f64 = 1e-9;
+const DEPENDENCE_TOLERANCE: f64 = 1e-9;
 /// Number of consecutive nodes at which the error of the polynomial must be within the tolerance
 /// before the remaining points are interpolated.
-const IN_A_ROW: usize = 3;
+const CONSECUTIVE_NODES: usize = 3;
 /// Maximum degree of the interpolating polynomial.
-const DEGREE: i32 = 12;
+const MAX_DEGREE: i32 = 12;
 
 /// Returns the values of a smooth function of two variables at all points. The function is
 /// evaluated only at a few of the points and interpolated at the others. Returns `None` if `value`
@@ -43,7 +43,7 @@ pub(crate) fn interpolated<const N: usize>(
     let mut open: Vec<_> = (0..points.len()).filter(|n| first[*n] == *n).collect();
     let mut found = vec![[0.0; N]; points.len()];
     let mut nodes: Vec<(usize, Vec<f64>)> = Vec::new();
-    let mut in_a_row = 0;
+    let mut consecutive = 0;
     for [i, j] in monomials() {
         let monomial = scaled[0].iter().zip(&scaled[1]).map(|(x, y)| x.powi(i) * y.powi(j));
         let mut residual: Vec<_> = monomial.collect();
@@ -55,7 +55,7 @@ pub(crate) fn interpolated<const N: usize>(
         }
         let sizes = open.iter().map(|n| residual[*n].abs()).enumerate();
         let Some((position, size)) = sizes.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-        if size <= DEPENDENT {
+        if size <= DEPENDENCE_TOLERANCE {
             continue;
         }
         let node = open.swap_remove(position);
@@ -69,8 +69,8 @@ pub(crate) fn interpolated<const N: usize>(
         }
         nodes.push((node, residual));
         let is_small = (0..N).all(|k| error[k].abs() <= tolerances[k] * at_node[k].abs());
-        in_a_row = if is_small { in_a_row + 1 } else { 0 };
-        if in_a_row == IN_A_ROW {
+        consecutive = if is_small { consecutive + 1 } else { 0 };
+        if consecutive == CONSECUTIVE_NODES {
             open.clear();
         }
     }
@@ -83,12 +83,12 @@ pub(crate) fn interpolated<const N: usize>(
 /// Returns the exponents of monomials in two variables, in order of increasing degree. The exponent
 /// of the second variable counts twice toward the degree.
 fn monomials() -> impl Iterator<Item = [i32; 2]> {
-    (0..=DEGREE).flat_map(|degree| (0..=degree / 2).map(move |j| [degree - 2 * j, j]))
+    (0..=MAX_DEGREE).flat_map(|degree| (0..=degree / 2).map(move |j| [degree - 2 * j, j]))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{IN_A_ROW, interpolated};
+    use super::{CONSECUTIVE_NODES, interpolated};
 
     /// Returns 100 points on a curve that fills a rectangle almost uniformly.
     fn points() -> Vec<[f64; 2]> {
@@ -114,7 +114,7 @@ mod tests {
         // The interpolation needs four nodes for the monomials 1, x, x² and y, followed by three
         // nodes at which the error is within the tolerance.
         let (residual, asked) = error(1e-12, |[x, y]| 3.0 + x - 0.5 * x * x + 2e5 * y);
-        assert!(residual < 1e-12 && asked == 4 + IN_A_ROW, "{residual:e}, {asked}");
+        assert!(residual < 1e-12 && asked == 4 + CONSECUTIVE_NODES, "{residual:e}, {asked}");
     }
 
     #[test]

@@ -42,11 +42,11 @@ impl Equilibrium {
     /// Returns the static safety factor, which is the ball load at the static load rating of one
     /// nut body divided by the largest contact load.
     pub fn static_safety(&self, nut: &BallNut, rating: f64) -> f64 {
-        let inclined = nut.inclination();
+        let axial_fraction = nut.axial_fraction();
         let body = |circuit: &&Circuit| circuit.body == 0;
         let balls: usize = nut.circuits.iter().filter(body).map(|circuit| circuit.balls).sum();
         // f_s = C_0a / (Z_b sinβ₀ cosα) / max Q
-        rating / (count(balls) * inclined) / self.max_load()
+        rating / (count(balls) * axial_fraction) / self.max_load()
     }
 
     /// Returns the rating life \[revolutions\], which 90 % of all nuts reach (U22) to (U24). The
@@ -55,7 +55,7 @@ impl Equilibrium {
     ///
     /// Source: the rule of ISO/TS 16281 with ball loads according to ISO 3408-5.
     pub fn life(&self, nut: &BallNut, ratings: &TurnRatings) -> f64 {
-        let inclined = nut.inclination();
+        let axial_fraction = nut.axial_fraction();
         let mut damage = 0.0;
         for body in 0..self.bodies.len() {
             let balls: Vec<_> = self
@@ -74,7 +74,7 @@ impl Equilibrium {
             let rings = [(0, ratings.nut, 10.0 / 3.0), (2, ratings.screw, 3.0)];
             for (ring, rating, power) in rings {
                 // Q_c = C / (Z_b sinβ₀ cosα)                              (U22)
-                let rated = rating / (number * inclined);
+                let rated = rating / (number * axial_fraction);
                 for flank in 0..2 {
                     let load = |ball: &&BallInGrooves| ball.loads[ring + flank].powf(power);
                     // Q_e = (mean Q_j^p)^(1/p)                            (U23)

@@ -91,7 +91,7 @@ impl BallNut {
         let places = successors(Some(high), |x| Some(2.0 * x).filter(|x| *x <= self.ball.radius));
         let excess = |x: f64| reached(x).map(|reached| reached - force);
         let bracket =
-            Bracket::first_change((0.0, -force), places, excess)?.ok_or_else(no_preload)?;
+            Bracket::first_sign_change((0.0, -force), places, excess)?.ok_or_else(no_preload)?;
         let found = Bracket { x_tol: 1e-13, ..bracket }.try_root(excess)?;
         found.root().map(|root| sign * root.x).ok_or_else(no_preload)
     }
@@ -127,7 +127,8 @@ impl BallNut {
         let rest = |load: f64| {
             remaining(way.signum() * load).map(|rest| if rest > 0.0 { 1.0 } else { -1.0 })
         };
-        let bracket = Bracket::first_change((0.0, 1.0), places, rest)?.ok_or_else(no_preload)?;
+        let bracket =
+            Bracket::first_sign_change((0.0, 1.0), places, rest)?.ok_or_else(no_preload)?;
         let bracket = Bracket { x_tol: 1e-9, ..bracket };
         let found = bracket.try_root(rest)?;
         let end = found.root().map(|root| root.ends[1]);

@@ -21,7 +21,7 @@ const RESIDUAL_TOLERANCE: f64 = 1e-12;
 /// residual (relative to the sum of all forces). The larger residual is needed if the bodies are
 /// stretched by millimeters, because the rounding errors of such displacements are not negligible
 /// compared with the elastic approaches of the balls.
-const ROUNDED: (usize, f64) = (30, 1e-10);
+const RELAXED_RESIDUAL: (usize, f64) = (30, 1e-10);
 
 /// Unknowns and the corresponding state of the nut.
 struct EnergyPoint {
@@ -75,7 +75,9 @@ impl Assembly<'_> {
         let mut damping = 0.0;
         for steps in 0..=MAX_EQUILIBRIUM_STEPS {
             let imbalance = self.imbalance(&at.state);
-            if imbalance <= RESIDUAL_TOLERANCE || (steps >= ROUNDED.0 && imbalance <= ROUNDED.1) {
+            if imbalance <= RESIDUAL_TOLERANCE
+                || (steps >= RELAXED_RESIDUAL.0 && imbalance <= RELAXED_RESIDUAL.1)
+            {
                 return self.finish(at, steps, imbalance).in_grooves(self.nut);
             }
             let moved = self.moved(&at.y);
@@ -126,7 +128,7 @@ impl Assembly<'_> {
                 // The rounding error of a sum of n terms is at most n/2 units in the last place.
                 let terms = count(state.balls.len());
                 let rounding = (0.5 * f64::EPSILON * terms).max(1e-14);
-                let rounding = rounding * state.energies.max(there.energies);
+                let rounding = rounding * state.energy_scale.max(there.energy_scale);
                 let level = (there.energy - state.energy).abs() <= rounding;
                 if lower || (level && self.imbalance(&there) < before) {
                     return Some(EnergyPoint { y: next, state: there });
@@ -155,7 +157,7 @@ impl Assembly<'_> {
             balls: state.balls,
             grooves: state.grooves,
             bodies,
-            widening: y[first + FREEDOMS..].to_vec(),
+            radial_expansions: y[first + FREEDOMS..].to_vec(),
             steps,
             residual,
         }
@@ -166,14 +168,16 @@ impl Equilibrium {
     /// Returns this equilibrium, or an error if a ball has left its flank.
     fn in_grooves(self, nut: &BallNut) -> Result<Self, NutError> {
         /// Permitted rounding error of the contact angle of a ball at the end of its flank \[rad\].
-        const ROUNDED: f64 = 1e-6;
+        const ANGLE_TOLERANCE: f64 = 1e-6;
         // If the nominal contact angle is zero, both flanks of a groove form a single arc, so
         // negative contact angles are valid.
         let least = if nut.contact_angle == 0.0 { -FRAC_PI_2 } else { 0.0 };
         let outside = |ball: &BallInGrooves| {
             let angles = ball.loads.iter().zip(ball.angles);
             let mut pressed = angles.filter(|(load, _)| **load > 0.0).map(|(_, angle)| angle);
-            pressed.find(|angle| !(least - ROUNDED..=FRAC_PI_2 + ROUNDED).contains(angle))
+            pressed.find(|angle| {
+                !(least - ANGLE_TOLERANCE..=FRAC_PI_2 + ANGLE_TOLERANCE).contains(angle)
+            })
         };
         let first = self.balls.iter().enumerate().find_map(|(i, ball)| Some((i, outside(ball)?)));
         match first {

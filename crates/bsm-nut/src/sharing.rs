@@ -41,7 +41,7 @@ impl BallNut {
         let alpha = self.helix.lead_angle;
         // Z Q m_b cosα = F                                                (U26)
         let (displacement, pressing) = ball
-            .under(axial.abs() / balls, alpha)
+            .under_axial_load(axial.abs() / balls, alpha)
             .map_err(|_| NutError::NothingCarries { moved: f64::NAN })?;
         let stiffness = balls * pressing.slope[0][0] * alpha.cos().powi(2);
         let displacement = displacement * axial.signum();

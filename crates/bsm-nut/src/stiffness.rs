@@ -72,7 +72,7 @@ impl BallNut {
 
     /// Returns the displacement that preloads the nut \[m\] (U18), which is the offset between the
     /// bodies or the excess of the ball diameter over the nominal diameter.
-    pub fn preload_setting(&self, by: PreloadKind) -> f64 {
+    pub fn preload_offset(&self, by: PreloadKind) -> f64 {
         match by {
             PreloadKind::Offset => {
                 let offset = |body: usize| {
@@ -88,12 +88,12 @@ impl BallNut {
     /// Returns the axial displacement that the preload causes in the contacts of one body or one
     /// flank \[m\].
     pub fn preload_approach(&self, by: PreloadKind) -> f64 {
-        let setting = self.preload_setting(by).abs();
+        let offset = self.preload_offset(by).abs();
         match by {
             // If the preload results from an offset between two bodies, δ_p = |O|/2.
-            PreloadKind::Offset => 0.5 * setting,
+            PreloadKind::Offset => 0.5 * offset,
             // If the preload results from oversize balls, δ_p = 2Δr/(sinβ₀ cosα).
-            PreloadKind::Oversize => setting / self.inclination(),
+            PreloadKind::Oversize => offset / self.axial_fraction(),
         }
     }
 }

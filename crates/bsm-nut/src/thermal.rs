@@ -16,13 +16,13 @@ mod states;
 
 pub use axis::{HeatSources, ThermalAxis};
 pub use band::StateInterval;
-pub use conductances::{BallLink, Conductances, Coolant, Guess, Surfaces, coolant_conductance};
+pub use conductances::{BallLink, Conductances, Coolant, Estimate, Surfaces, coolant_conductance};
 pub use coupling::{
     BETWEEN_LOADS, HeldFriction, NutAtTemperature, PhaseState, WarmNut, WarmPhase,
     drag_beyond_contacts,
 };
-pub use network::{AxialHold, Network, ScrewBar, Sinks};
-pub use states::{Fold, NoSteadyState, OnBranch, Steady};
+pub use network::{AxialConstraint, Network, ScrewBar, Surroundings};
+pub use states::{BranchState, Fold, NoSteadyState, SteadyState};
 
 /// Number of thermal nodes: nut, screw within the travel, balls, and both ends of the screw.
 pub const NODES: usize = 5;
@@ -31,6 +31,6 @@ pub const NODES: usize = 5;
 ///
 /// * `set`: assembly temperature \[K\].
 /// * `rises`: temperature rises above the assembly temperature \[K\].
-pub fn celsius(set: f64, rises: &[f64; NODES]) -> [f64; NODES] {
-    rises.map(|rise| set + rise - bsm_dyn::lubrication::ZERO_CELSIUS)
+pub fn celsius(assembly_temperature: f64, rises: &[f64; NODES]) -> [f64; NODES] {
+    rises.map(|rise| assembly_temperature + rise - bsm_dyn::lubrication::ZERO_CELSIUS)
 }

@@ -89,7 +89,7 @@ pub struct Exit {
     /// balls in the ball return.
     pub push: ExitPush,
     /// Sum of the angles of all bends in the ball return \[rad\].
-    pub bend: f64,
+    pub bend_angle: f64,
     /// Friction coefficient between balls and ball return.
     pub friction: f64,
 }
@@ -107,8 +107,8 @@ pub enum ExitPush {
 
 impl Exit {
     /// Returns the factor by which the bends in the ball return increase a push force.
-    fn growth(&self) -> f64 {
-        (self.friction * self.bend).exp()
+    fn bend_factor(&self) -> f64 {
+        (self.friction * self.bend_angle).exp()
     }
 
     /// Returns the push force that the ball return requires at the exit from the loaded part \[N\].
@@ -117,11 +117,11 @@ impl Exit {
     ///   return \[N\].
     /// * `centrifugal`: centrifugal term `$m v^2/2r_b$` \[N\].
     fn push(&self, entry: f64, centrifugal: f64) -> f64 {
-        let grown = self.growth();
+        let factor = self.bend_factor();
         // N_x = (F_e + N_e + m v²/(2 r_b)) e^(μ_r φ_r) − m v²/(2 r_b)     (O12)
         match self.push {
-            ExitPush::AtExit(push) => push + entry * grown,
-            ExitPush::AtEntry(step) => (step + entry + centrifugal) * grown - centrifugal,
+            ExitPush::AtExit(push) => push + entry * factor,
+            ExitPush::AtEntry(step) => (step + entry + centrifugal) * factor - centrifugal,
         }
     }
 }
@@ -160,7 +160,7 @@ pub struct CircuitTrain {
     pub flux: f64,
     /// Push forces between balls at the two ends of the loaded part \[N\]: at the exit, then at the
     /// entry.
-    pub ends: [f64; 2],
+    pub end_pushes: [f64; 2],
     /// Loaded and idle balls, in the order of the circuit.
     pub balls: Vec<BallOfTrain>,
 }
@@ -185,7 +185,7 @@ pub struct Train {
     /// divided by the losses.
     pub power_balance: f64,
     /// Number of ball-to-ball contacts that transmit a push force.
-    pub touching: usize,
+    pub touching_contacts: usize,
     /// Largest push force between balls \[N\].
     pub largest_push: f64,
 }
@@ -213,7 +213,7 @@ pub enum TrainError {
     BothFlanks,
     /// The gaps between the balls of a circuit add up to zero.
     #[error("circuit {circuit} has no gap between its balls")]
-    NoRoom {
+    NoGap {
         /// Index of the circuit.
         circuit: usize,
     },
@@ -278,7 +278,7 @@ impl BallNut {
     /// Returns the number of balls that fit into the loaded arc of a circuit.
     ///
     /// * `spacer`: thickness of the spacers between balls \[m\].
-    pub fn room(&self, circuit: usize, spacer: f64) -> f64 {
+    pub fn ball_capacity(&self, circuit: usize, spacer: f64) -> f64 {
         (self.circuits[circuit].arc / self.touch_angle(spacer)).floor()
     }
 
@@ -385,7 +385,7 @@ impl BallNut {
                 return Err(TrainError::BothFlanks);
             } else if number > 0
                 && balls[number - 1].is_some()
-                && self.alike(found, number - 1, number)
+                && self.have_equal_loads(found, number - 1, number)
             {
                 balls[number - 1].clone()
             } else {
@@ -416,10 +416,10 @@ impl BallNut {
                 flow.rolling().map(|ball| ball.free().raceway_power).sum::<f64>() / speed.abs();
             lost += raceways + contacts + returns + catching;
             put_in += flow.power_in(&pass);
-            let [exit, _] = circuit.ends;
+            let [exit, _] = circuit.end_pushes;
             let pushes = circuit.balls.iter().flat_map(|ball| ball.pushes).chain([exit]);
             train.largest_push = pushes.fold(train.largest_push, f64::max);
-            train.touching +=
+            train.touching_contacts +=
                 pass.states.iter().skip(1).filter(|state| state.pushes[1] > 0.0).count();
             train.circuits.push(circuit);
         }
@@ -434,7 +434,7 @@ struct Flow<'a> {
     inputs: &'a TrainInputs,
     speed: f64,
     circuit: usize,
-    room: f64,
+    ball_gap: f64,
     touch_angle: f64,
     /// Balls of the circuit, in the direction of travel; `None` for idle balls.
     balls: Vec<Option<&'a TrainBall>>,
@@ -491,12 +491,12 @@ const STEPS: usize = 12;
 /// Minimum ratio of the friction moment from the neighboring balls to the moment that stops a ball
 /// (O6), for which a ball without a steady motion counts as blocked. The ratio is below 1 because
 /// the friction at the raceways must also support the difference between the push forces.
-const MAX_STOPPED_SHARE: f64 = 0.9;
+const MIN_STOPPED_SHARE: f64 = 0.9;
 /// Ratio of the ball gap to the length that a touching ball occupies, below which the ball gap is
 /// smaller than the rounding errors of the precession rates.
 const FULL_TRAIN_TOLERANCE: f64 = 1e-12;
 /// Permitted error of the ball gap, divided by the ball gap.
-const ROOM_TOLERANCE: f64 = 1e-6;
+const GAP_TOLERANCE: f64 = 1e-6;
 /// Permitted relative error of the precession rate of the ball train.
 const RATE_TOLERANCE: f64 = 1e-11;
 
@@ -506,11 +506,11 @@ impl<'a> Flow<'a> {
     /// ball gap, and the third argument contains the balls.
     fn of(
         (nut, inputs, speed, touch_angle): (&'a BallNut, &'a TrainInputs, f64, f64),
-        (circuit, room): (usize, f64),
+        (circuit, ball_gap): (usize, f64),
         balls: Vec<Option<&'a TrainBall>>,
     ) -> Self {
         let mut flow =
-            Self { nut, inputs, speed, circuit, room, touch_angle, balls, centrifugal: 0.0 };
+            Self { nut, inputs, speed, circuit, ball_gap, touch_angle, balls, centrifugal: 0.0 };
         let (number, sum) =
             flow.rolling().fold((0.0, 0.0), |(n, sum), ball| (n + 1.0, sum + ball.free().rate));
         let speed = flow.speed_of(if number > 0.0 { sum / number } else { 0.0 });
@@ -541,7 +541,7 @@ impl Flow<'_> {
     fn surplus(&self, rate: f64, rates: impl Iterator<Item = f64>) -> f64 {
         // Σ (p_j/p_c − 1) = X/(d θ_c)                                     (O10)
         let gained: f64 = rates.map(|of_ball| of_ball / rate - 1.0).sum();
-        gained - self.room / self.pitch()
+        gained - self.ball_gap / self.pitch()
     }
 
     /// Returns the difference between the resulting and the given ball gap, calculated with ball
@@ -581,11 +581,11 @@ impl Flow<'_> {
         work: &mut ModelWorkspace,
     ) -> Result<FunctionValue, &'static str> {
         last.rate = rate;
-        let (mut entry, growth) = (last.entry(), self.inputs.exit.growth());
+        let (mut entry, bend_factor) = (last.entry(), self.inputs.exit.bend_factor());
         let mut entry_by_train = 0.0;
         for _ in 0..MAX_PASSES {
             last.exit = self.inputs.exit.push(entry, self.centrifugal);
-            let mut front = [last.exit, growth * entry_by_train];
+            let mut front = [last.exit, bend_factor * entry_by_train];
             for (ball, state) in self.balls.iter().zip(&mut last.states).rev() {
                 *state = self.state(*ball, state, rate, front, work)?;
                 front = [state.pushes[1], state.by_train[1]];
@@ -677,7 +677,7 @@ impl Flow<'_> {
         let caught_up = found.and_then(|_| catch(work));
         match caught_up {
             Some(motion) => Ok(caught(motion)),
-            None if stopped > MAX_STOPPED_SHARE => Ok(passes_on(Rolling::Blocked)),
+            None if stopped > MIN_STOPPED_SHARE => Ok(passes_on(Rolling::Blocked)),
             None => Err("a ball in the ball train has no steady motion"),
         }
     }
@@ -705,8 +705,8 @@ impl Flow<'_> {
         if rates.is_empty() {
             return Err(TrainError::Unloaded { circuit: self.circuit });
         }
-        if self.room < FULL_TRAIN_TOLERANCE * self.pitch() {
-            return Err(TrainError::NoRoom { circuit: self.circuit });
+        if self.ball_gap < FULL_TRAIN_TOLERANCE * self.pitch() {
+            return Err(TrainError::NoGap { circuit: self.circuit });
         }
         let needed = self.inputs.exit.push(0.0, self.centrifugal);
         // The push force of a ball is at most the friction force of both contacts in full sliding.
@@ -718,7 +718,8 @@ impl Flow<'_> {
             return Err(TrainError::Return { needed, available });
         }
         // p_c = Σ p_j/(Z + X/(d θ_c))                                     (O13)
-        let free_rate = rates.iter().sum::<f64>() / (count(rates.len()) + self.room / self.pitch());
+        let free_rate =
+            rates.iter().sum::<f64>() / (count(rates.len()) + self.ball_gap / self.pitch());
         let slowest = rates.iter().copied().fold(f64::MAX, f64::min);
         let is_pushed = needed > 0.0 || self.inputs.idle_drag > 0.0;
         if free_rate <= slowest && !is_pushed {
@@ -758,7 +759,7 @@ impl Flow<'_> {
         let residual = Self::solve_surplus(guess, &mut surplus);
         let failed = |what| TrainError::NotConverged { circuit: self.circuit, what };
         let allowed =
-            ROOM_TOLERANCE * self.room / self.pitch() + RATE_TOLERANCE * count(self.balls.len());
+            GAP_TOLERANCE * self.ball_gap / self.pitch() + RATE_TOLERANCE * count(self.balls.len());
         if residual.value.abs() > allowed {
             let (push, part) = (least_push, least_push / largest_load);
             return Err(if part > MAX_PUSH_RATIO {
@@ -803,7 +804,7 @@ impl Flow<'_> {
             Some(*rate)
         });
         let value_at = |rate| Ok::<_, Infallible>(surplus(rate).value);
-        let Ok(change) = Bracket::first_change((rate, here.value), places, value_at);
+        let Ok(change) = Bracket::first_sign_change((rate, here.value), places, value_at);
         let bracket =
             change.map(|change| Bracket { x_tol: RATE_TOLERANCE, f_tol: 1e-13, ..change });
         match bracket.and_then(|bracket| bracket.root(&mut *surplus).root()) {
@@ -876,7 +877,7 @@ impl Flow<'_> {
             rate: pass.rate,
             // Φ = p_c |W|/θ_c                                             (O8)
             flux: pass.rate * self.speed.abs() / self.touch_angle,
-            ends: [pass.exit, pass.entry()],
+            end_pushes: [pass.exit, pass.entry()],
             balls,
         }
     }

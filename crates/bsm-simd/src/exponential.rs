@@ -14,7 +14,7 @@ const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
 /// Constant that rounds a number to an integer when it is added to the number. The low bits of the
 /// sum then contain this integer.
-const WHOLE: f64 = 1.5 * TWO_TO_52;
+const ROUNDING_CONSTANT: f64 = 1.5 * TWO_TO_52;
 
 /// High part of `$\ln 2$`, rounded to 33 bits so that multiples by small integers are exact.
 /// `LN_2_LOW` is the remainder.
@@ -47,8 +47,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     #[inline(always)]
     #[must_use]
     pub fn exp(self) -> Self {
-        let sum = self.mul_add(self.constant(LOG2_E), self.constant(WHOLE));
-        let whole = sum - WHOLE;
+        let sum = self.mul_add(self.constant(LOG2_E), self.constant(ROUNDING_CONSTANT));
+        let whole = sum - ROUNDING_CONSTANT;
         let high = whole.neg_mul_add(self.constant(LN_2_HIGH), self);
         let x = whole.neg_mul_add(self.constant(LN_2_LOW), high);
         // The Taylor series is used for |x| ≤ ln 2/2. The first omitted term is then at most

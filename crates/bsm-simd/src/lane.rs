@@ -90,7 +90,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     /// [`load`](Self::load).
     #[inline(always)]
     #[must_use]
-    pub fn like(self, from: &[f64]) -> Self {
+    pub fn load_like(self, from: &[f64]) -> Self {
         Self::load(self.simd, from)
     }
 

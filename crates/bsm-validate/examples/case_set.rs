@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     while counts.iter().map(|(_, count)| count).sum::<usize>() < all {
         let mut point = draw(&mut rng, used.is_some());
         if used.is_some() {
-            let screw = traction(&case(&point)?)?.at;
+            let screw = traction(&case(&point)?)?.screw;
             let [lead, contact] = [point[2], point[3]].map(f64::to_radians);
             let normal = screw.point.load.per_ball() / (lead.cos() * contact.sin());
             let Ok([nut, _]) = screw.hertz() else { continue };
@@ -73,14 +73,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             continue;
         }
         let traction = traction(&case)?;
-        let speed = traction.at.point.drive.relative_speed();
-        let (ball, radius) = (&traction.at.point.ball, traction.at.point.helix.radius);
-        let load = traction.at.point.load.per_ball();
+        let speed = traction.screw.point.drive.relative_speed();
+        let (ball, radius) = (&traction.screw.point.ball, traction.screw.point.helix.radius);
+        let load = traction.screw.point.load.per_ball();
         if ball.mass * radius * speed * speed > most_inertia * load {
             continue;
         }
         let solution = Problem::Traction(traction).solve(&mut work);
-        let regime = solution.solved().and_then(|solved| solved.skid?.regime());
+        let regime = solution.steady_state().and_then(|solved| solved.skid?.regime());
         let count = counts.iter_mut().find(|(counted, _)| Some(*counted) == regime);
         if let Some((_, count)) = count.filter(|(_, count)| *count < each) {
             *count += 1;

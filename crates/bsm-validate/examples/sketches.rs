@@ -238,16 +238,18 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     let problem = case.problem(&settings)?;
     let Problem::Traction(traction) = problem else { unreachable!("the model was fixed") };
     let solution = problem.solve(&mut ModelWorkspace::default());
-    let ball = solution.solved().ok_or("the example has no solution")?.ball;
+    let ball = solution.steady_state().ok_or("the example has no solution")?.ball;
     let motion = ball.motion.ok_or("no motion")?;
     let (a, b) = ball.nut.pressed.ok_or("no ellipse")?.semi_axes;
     let angle = ball.nut.angle;
-    let (frame, ball) =
-        (BallFrame::turned(traction.at.point.helix.lead_angle, 0.0), traction.at.point.ball.radius);
+    let (frame, ball) = (
+        BallFrame::turned(traction.screw.point.helix.lead_angle, 0.0),
+        traction.screw.point.ball.radius,
+    );
     let contact = Contact::new(Site::Nut, angle, &frame);
-    let motion = motion.relative_to(traction.at.point.drive.nut_speed, &frame);
-    let arc = traction.at.point.helix.arc_length_per_radian();
-    let pressed = bsm_dyn::hertz::pressed_radius(traction.at.conformity.0, ball);
+    let motion = motion.relative_to(traction.screw.point.drive.nut_speed, &frame);
+    let arc = traction.screw.point.helix.arc_length_per_radian();
+    let pressed = bsm_dyn::hertz::pressed_radius(traction.screw.conformity.0, ball);
     let slip = |x: f64, y: f64| {
         let point = contact.normal * (x * x / (2.0 * pressed) - ball)
             + contact.transverse * x

@@ -138,7 +138,7 @@ impl Reference {
         let speed = self.screw_speed_rpm * std::f64::consts::PI / 30.0;
         let degrees = |x: Option<f64>| Some(number(x).to_degrees());
         let over_speed = |x: Option<f64>| Some(number(x) / speed);
-        let ball = solution.solved().map(|solved| &solved.ball);
+        let ball = solution.steady_state().map(|solved| &solved.ball);
         let axial = ball.and_then(|ball| ball.axial_displacement);
         let binormal = axial.map(|x| 1e6 * x * self.lead_angle_deg.to_radians().cos());
         let contacts = [Site::Nut, Site::Screw].map(|site| solution.contact(site));

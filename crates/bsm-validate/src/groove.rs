@@ -439,12 +439,12 @@ fn friction_torque(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64
         load: Load { axial: load, balls: groove.loaded_balls },
     };
     let at = ElasticPoint { point, conformity: groove.conformity, material: (STEEL, STEEL) };
-    let problem = Problem::Auto(Auto { at, tolerance: Settings::default().tolerance });
+    let problem = Problem::Auto(Auto { screw: at, tolerance: Settings::default().tolerance });
     let solution = WORK.with_borrow_mut(|work| problem.solve(work));
     if let Some(reason) = solution.reason() {
         return Err(reason.clone());
     }
-    let torque = solution.solved().and_then(|solved| solved.transmission.screw_torque);
+    let torque = solution.steady_state().and_then(|solved| solved.transmission.screw_torque);
     let torque =
         torque.expect("every model that auto can choose calculates the torque of a turning screw");
     Ok(torque - lead / TAU * load)

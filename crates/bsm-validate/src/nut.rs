@@ -257,7 +257,7 @@ impl CatalogRow {
         let outer = self.outer_diameter_mm * MM;
         let [_, inner] = contacts.groove_diameters();
         let youngs_modulus = STEEL.youngs_modulus;
-        let ring = Some(Ring { outer, inner, youngs_modulus });
+        let ring = Some(Ring { outer_diameter: outer, inner_diameter: inner, youngs_modulus });
         let with_ring = BallNut { ring, ..contacts.clone() };
         let bar = |stiffness: f64| Some(Bar { stiffness, anchor: 0.0 });
         let with_bars = BallNut {

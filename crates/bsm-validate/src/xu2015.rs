@@ -67,7 +67,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         unreachable!("the model was fixed")
     };
     let (helix, radius, drive) =
-        (problem.at.point.helix, problem.at.point.ball.radius, problem.at.point.drive);
+        (problem.screw.point.helix, problem.screw.point.ball.radius, problem.screw.point.drive);
     let angles = ANGLES.map(f64::to_radians);
     let ball = SteadyBall::rolling(Control::Nut, helix, radius, drive, angles);
     // The array `printed` contains Eqs 1 and 2 as printed, for a nut that does not rotate.
@@ -104,9 +104,9 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         case.nut_conformity.zip(case.screw_conformity).map_or(f64::NAN, |(n, s)| n + s - 1.0);
     let length = 2.0 * radius * offsets;
     let displacement =
-        solution.solved().and_then(|s| s.ball.axial_displacement).unwrap_or(f64::NAN);
-    let binormal = displacement * problem.at.point.helix.lead_angle.cos();
-    let (sin, cos) = problem.at.point.contact_angle.sin_cos();
+        solution.steady_state().and_then(|s| s.ball.axial_displacement).unwrap_or(f64::NAN);
+    let binormal = displacement * problem.screw.point.helix.lead_angle.cos();
+    let (sin, cos) = problem.screw.point.contact_angle.sin_cos();
     let off = [radial - length * cos, axial - length * sin - binormal];
     let off = largest(off.map(|x| x.abs() / length));
     let check = |key: &str, equation: &str, claim: &str| {
@@ -133,10 +133,13 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
     let number = |name: OutputName| report.number(name).unwrap_or(f64::NAN);
     let (mut value, mut slope): (f64, f64) = (0.0, 0.0);
     if let (Some(motion), Ok(bsm_dyn::Problem::Traction(traction))) =
-        (solution.solved().and_then(|solved| solved.ball.motion), case.problem(&settings))
+        (solution.steady_state().and_then(|solved| solved.ball.motion), case.problem(&settings))
     {
-        let (helix, radius, drive) =
-            (traction.at.point.helix, traction.at.point.ball.radius, traction.at.point.drive);
+        let (helix, radius, drive) = (
+            traction.screw.point.helix,
+            traction.screw.point.ball.radius,
+            traction.screw.point.drive,
+        );
         let ball = SteadyBall { helix, radius, drive, motion };
         let contacts = [
             (Site::Nut, output!(nut_differential_slip_m_s), output!(nut_spin_rad_s)),

@@ -95,7 +95,7 @@ fn table_columns_match_the_results_of_the_analyses() {
             let case = grid.case(&base, &grid.point(row));
             let moving = MotionAnswer::of(&case, &settings, &mut work).expect("complete");
             assert_eq!(answers.verdicts[row].status, moving.solution.status());
-            let solved = moving.solution.solved().is_some();
+            let solved = moving.solution.steady_state().is_some();
             let of = |kind: AnalysisKind| {
                 let motion = solved.then_some(&moving);
                 let numbers = kind.numbers(

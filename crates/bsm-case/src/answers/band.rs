@@ -42,7 +42,7 @@ pub(crate) fn numbers(
     work: &mut ModelWorkspace,
 ) -> Result<Numbers, CaseError> {
     let problem = case.problem(settings)?;
-    let band = solution.solved().and_then(|solved| problem.band(solved, work));
+    let band = solution.steady_state().and_then(|solved| problem.loss_interval(solved, work));
     Ok(match band {
         Some(band) => read(&band, |_| true),
         None => Numbers::none(QUANTITIES).with_reason(Some(NO_INTERVAL.to_owned())),

@@ -55,12 +55,12 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
             "drag / normal load";
     }
     "wedge between the raceways" {
-        wedge_angle_deg ["deg"] Scalar(|j| j.wedge.opening() / DEG), "wedge angle: contact angle at the screw minus contact angle at the nut";
+        wedge_angle_deg ["deg"] Scalar(|j| j.wedge.wedge_angle() / DEG), "wedge angle: contact angle at the screw minus contact angle at the nut";
         friction_across_N ["N"] Contacts(|j| j.wedge.across()), "friction force across the groove";
-        holding_force_N ["N"] Scalar(|j| j.wedge.holding()), "force that holds the ball in the wedge";
-        expelling_force_N ["N"] Scalar(|j| j.wedge.expelling()), "force that pushes the ball out of the wedge";
+        holding_force_N ["N"] Scalar(|j| j.wedge.holding_force()), "force that holds the ball in the wedge";
+        expelling_force_N ["N"] Scalar(|j| j.wedge.expelling_force()), "force that pushes the ball out of the wedge";
         locking_ratio [""] Scalar(|j| {
-            let (holding, expelling) = (j.wedge.holding(), j.wedge.expelling());
+            let (holding, expelling) = (j.wedge.holding_force(), j.wedge.expelling_force());
             (expelling > ROUNDING * holding).then(|| holding / expelling)
         }), "holding force / expelling force";
         critical_friction_coefficient [""] Scalar(|j| finite(clean(j.wedge.critical_friction()))),
@@ -335,7 +335,7 @@ impl Friction {
         (ball, screw): (&SteadyBall<f64>, &MovingContact),
         dry: f64,
     ) -> Self {
-        let Some(film) = solution.solved().and_then(|solved| solved.film) else {
+        let Some(film) = solution.steady_state().and_then(|solved| solved.film) else {
             return Self { moving: [dry; 2], stopped: dry, rest: dry };
         };
         // μ_s = μ(¾ p_max, |V_s|)                                         (M23)
@@ -407,7 +407,7 @@ impl BallReturn {
             impact,
             apex: case.apex_half_angle_deg.map(|angle| apex_thrust(impact, angle * DEG, friction)),
             step,
-            highest: entry.highest() * ball.radius,
+            highest: entry.max_step_height() * ball.radius,
             entered: case
                 .step_height_mm
                 .and(case.return_angle_deg)

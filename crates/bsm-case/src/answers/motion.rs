@@ -155,7 +155,7 @@ impl MovingBall {
     /// Returns [`CaseError::Invalid`] if the model does not calculate the motion of the ball or
     /// there is no solution.
     pub(crate) fn of(case: &Case, solution: &Solution) -> Result<Self, CaseError> {
-        let state = match &solution.answer {
+        let state = match &solution.result {
             Ok(solved) => &solved.ball,
             Err(none) => return Err(CaseError::Invalid(message(none.reason()))),
         };

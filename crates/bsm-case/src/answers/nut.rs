@@ -194,7 +194,7 @@ impl NutReport {
     /// with a force of 3 % of the ball load \[N·m\]. Returns 0 if the balls do not touch.
     fn contact_torque_bound(&self) -> Option<f64> {
         let (advance, friction) = (self.advance()?, self.problem.gaps.friction?);
-        let is_apart = self.train().is_some_and(|train| train.touching == 0);
+        let is_apart = self.train().is_some_and(|train| train.touching_contacts == 0);
         let touch = !is_apart && advance.largest_gap() > 0.0;
         Some(if touch { advance.contact_torque * friction } else { 0.0 })
     }
@@ -370,7 +370,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
             "share of the friction torque of the balls that third contacts cause";
         friction_torque_reverse_Nm ["N m"] Scalar(NutReport::reverse_torque) needs FRICTION,
             "friction torque of the balls in the opposite direction of travel, at the same axial load";
-        return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, from return_circuits and return_loss_coefficient";
+        return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.ball_returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, from return_circuits and return_loss_coefficient";
         nut_seal_torque_Nm ["N m"] Scalar(|n| positive_finite(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
         drive_torque_Nm ["N m"] Scalar(|n| n.friction()?.drive_torque) needs FRICTION, "torque of the nut, from axial load, balls, returns and seals";
         nut_efficiency [""] Scalar(|n| n.friction()?.efficiency) needs FRICTION, "efficiency, including returns and seals";
@@ -409,7 +409,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         ball_contact_band_Nm ["N m"] Scalar(|n| n.contact_torque_bound()) needs FRICTION,
             "torque of ball-to-ball contact if every contact transmits a force of 3 % of the ball load; 0 if the gaps are sufficient";
         contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs TRAIN, "friction torque of the contacts with nut and screw, without forces between balls";
-        touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs TRAIN, "number of ball-to-ball contacts that transmit a force";
+        touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching_contacts))) needs TRAIN, "number of ball-to-ball contacts that transmit a force";
         max_push_N ["N"] Scalar(|n| Some(n.train()?.largest_push)) needs TRAIN, "largest force between balls";
         idle_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs TRAIN, "number of idle balls, which move without a load";
         blocked_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs TRAIN, "number of blocked balls, whose rotation neighboring balls stop";
@@ -737,7 +737,7 @@ impl NutProblem {
             let solution = self.ball_problem(source, balls, screw).solve(&mut work);
             models.push(solution.model.name());
             if solution.model == Model::RacewayControl {
-                let skid = solution.solved().and_then(|solved| solved.skid);
+                let skid = solution.steady_state().and_then(|solved| solved.skid);
                 let ball_onset = skid.and_then(|skid| skid.onset_number());
                 onset = onset.into_iter().chain(ball_onset).reduce(f64::max);
             }
@@ -917,12 +917,12 @@ impl NutReport {
                     .to_owned(),
             ),
             Some(friction)
-                if friction.on_both_flanks > 0 && self.is_lubricated() =>
+                if friction.balls_on_both_flanks > 0 && self.is_lubricated() =>
             {
                 notes.push(format!(
                     "The torque is not calculated, because {} of {} balls press against both \
                      flanks, where friction from a lubricant is unknown. Give friction_coefficient.",
-                    friction.on_both_flanks,
+                    friction.balls_on_both_flanks,
                     self.found().balls.len()
                 ));
             }
@@ -937,7 +937,7 @@ impl NutReport {
                 ));
             }
             Some(friction) => {
-                let far = friction.on_both_flanks + friction.third_contacts.count;
+                let far = friction.balls_on_both_flanks + friction.third_contacts.count;
                 if far > 0 {
                     notes.push(format!(
                         "{far} of {} balls touch a far flank. For these balls, every model integrates the friction over all contacts, and the \

@@ -101,7 +101,7 @@ impl Record {
 
     /// Returns the steady state, if the solver converged.
     pub fn solved(&self) -> Option<&SteadyState> {
-        self.solution.as_ref()?.solved()
+        self.solution.as_ref()?.steady_state()
     }
 
     /// Returns the status of the solution.
@@ -137,7 +137,7 @@ impl Record {
     /// Returns a description of the slip regime, for example rolling or gross skid.
     pub fn regime(&self) -> Option<&'static str> {
         let solution = self.solution.as_ref()?;
-        let solved = solution.solved()?;
+        let solved = solution.steady_state()?;
         if solved.transmission.self_locking {
             return Some("self-locking in this direction");
         }
@@ -290,7 +290,7 @@ impl Record {
         }
         let traction = Settings { model: Model::Traction.into(), ..*settings };
         let solution = case.problem(&traction).ok()?.solve(work);
-        let threshold = solution.solved()?.ball.threshold_play? / UM;
+        let threshold = solution.steady_state()?.ball.threshold_play? / UM;
         Some(format!(
             "If the axial play is below {threshold:.1} um (model traction), friction presses the ball against a \
              far flank of the gothic arch, and this third contact causes additional friction. Give axial_play_um \
@@ -455,7 +455,7 @@ impl Record {
         supplement: &Supplement,
     ) -> Answer {
         let work = &mut ModelWorkspace::default();
-        let mut uncertainty = || case.problem(settings).ok()?.band(self.solved()?, work);
+        let mut uncertainty = || case.problem(settings).ok()?.loss_interval(self.solved()?, work);
         let band = if supplement.band { uncertainty() } else { None };
         let (mut notes, mut parts) = (Vec::new(), None);
         if supplement.band && band.is_none() && self.film().is_some() {
@@ -599,10 +599,10 @@ fn film_warnings(film: &FilmState) -> Vec<String> {
     /// contacts gives a wrong film thickness (theory 17).
     const RIGID_LOAD_PARAMETER: f64 = 10.0;
     let mut warnings = Vec::new();
-    let elasticity = film.nut.elasticity.min(film.screw.elasticity);
-    if elasticity < RIGID_LOAD_PARAMETER {
+    let load_parameter = film.nut.load_parameter.min(film.screw.load_parameter);
+    if load_parameter < RIGID_LOAD_PARAMETER {
         warnings.push(format!(
-            "The load parameter M = {elasticity:.1e} is below {RIGID_LOAD_PARAMETER}: the load hardly deforms the contact, so the film is several \
+            "The load parameter M = {load_parameter:.1e} is below {RIGID_LOAD_PARAMETER}: the load hardly deforms the contact, so the film is several \
              times thicker than the formula for elastic contacts gives, and the sliding friction is smaller."
         ));
     }
@@ -653,10 +653,10 @@ pub(crate) fn message(reason: &Reason) -> String {
             nut / DEG,
             screw / DEG
         ),
-        Reason::FlanksCannotHold { control, held, centrifugal } => format!(
+        Reason::FlanksCannotHold { control, max_force_ratio, force_ratio } => format!(
             "the ball leaves its flanks, because they cannot hold the centrifugal force at any contact \
-             angles between 0 and 90 deg. With the {} in control, the flanks hold at most {held:.3e} times \
-             the axial load, but the centrifugal force is {centrifugal:.3e} times the axial load. \
+             angles between 0 and 90 deg. With the {} in control, the flanks hold at most {max_force_ratio:.3e} times \
+             the axial load, but the centrifugal force is {force_ratio:.3e} times the axial load. \
              Raise axial_load_N or lower the speed",
             control.name()
         ),
@@ -665,10 +665,10 @@ pub(crate) fn message(reason: &Reason) -> String {
              contacts; without inertia, the slip at the nut would be {slip:.3e} r_b |W|. The balls \
              roll here; use model traction"
         ),
-        Reason::NoSkidAtInertia { inertia, least, most } => format!(
-            "the ratio of inertia forces to axial load, m r_m W^2/F_a, is {inertia:.3e}; solutions with skid on both flanks exist only for ratios from {least:.3e} to {most:.3e}. Change axial_load_N or the speed"
+        Reason::NoSkidAtInertia { inertia_ratio, min, max } => format!(
+            "the ratio of inertia forces to axial load, m r_m W^2/F_a, is {inertia_ratio:.3e}; solutions with skid on both flanks exist only for ratios from {min:.3e} to {max:.3e}. Change axial_load_N or the speed"
         ),
-        Reason::SearchLost => "the search for a steady motion failed: none was found, but \
+        Reason::SearchFailed => "the search for a steady motion failed: none was found, but \
              one may exist. Change the inputs slightly, or use another model"
             .to_owned(),
         Reason::CurvaturesNotHertzian { longitudinal, transverse } => format!(
@@ -676,10 +676,10 @@ pub(crate) fn message(reason: &Reason) -> String {
              no contact ellipse with its long axis across the groove; change nut_conformity and \
              screw_conformity towards 0.52"
         ),
-        Reason::NoRootAtInertia { inertia_ratio, nearest } => format!(
+        Reason::NoRootAtInertia { inertia_ratio, nearest_ratio } => format!(
             "the branch of steady motions with saturated friction that starts at small inertia ends before this point: \
              the ratio of inertia forces to axial load, m r_m W^2/F_a, is {inertia_ratio:.3e}, and the nearest ratio with a solution is \
-             {nearest:.3e}. Change axial_load_N or the speed"
+             {nearest_ratio:.3e}. Change axial_load_N or the speed"
         ),
         Reason::Refused { error } => error.to_string(),
         Reason::SingularRoot => {
@@ -687,7 +687,7 @@ pub(crate) fn message(reason: &Reason) -> String {
              Jacobian is singular. Change the inputs slightly"
                 .to_owned()
         }
-        Reason::BallDoesNotCircle => {
+        Reason::BallDoesNotOrbit => {
             "the ball would not move around the axis (precession 0), and a ball \
              without precession has no gyroscopic moment to balance the friction moment"
                 .to_owned()
@@ -708,9 +708,9 @@ pub(crate) fn message(reason: &Reason) -> String {
         Reason::DualDrive => "model quasi-static covers a turning screw or a turning nut, not \
              both; set one of screw_speed_rpm and nut_speed_rpm to 0"
             .to_owned(),
-        Reason::LubricantRunsAway { hottest } => format!(
+        Reason::LubricantRunsAway { max_temperature } => format!(
             "thermal runaway: the losses heat the lubricant faster than heat_transfer_W_K cools it, at all temperatures up to {:.0} C",
-            hottest - ZERO_CELSIUS
+            max_temperature - ZERO_CELSIUS
         ),
         Reason::PowerDoesNotBalance { imbalance } => {
             format!(

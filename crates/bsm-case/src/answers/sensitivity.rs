@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use bsm_dyn::{ModelWorkspace, NoAnswer, Problem, solution::Performance};
+use bsm_dyn::{ModelWorkspace, Problem, SolveFailure, solution::Performance};
 use bsm_kin::Jet;
 
 use crate::case::reader::Reader;
@@ -117,7 +117,7 @@ impl Sensitivities {
     pub fn solve(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<(Performance<f64>, Vec<Sensitivity>), NoAnswer> {
+    ) -> Result<(Performance<f64>, Vec<Sensitivity>), SolveFailure> {
         let mut rows = Vec::new();
         let mut value = Performance { efficiency: f64::NAN, screw_torque: None };
         for Part(problem, variables) in &self.0 {

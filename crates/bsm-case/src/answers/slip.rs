@@ -200,7 +200,7 @@ impl Law {
     ///
     /// * `dry`: friction law of dry contacts.
     pub(crate) fn of(site: Site, dry: Coulomb<f64>, solution: &Solution) -> Self {
-        match solution.solved().and_then(|solved| solved.film) {
+        match solution.steady_state().and_then(|solved| solved.film) {
             Some(film) if site == Site::Screw => Self::Lubricated(film.screw.law),
             Some(film) => Self::Lubricated(film.nut.law),
             None => Self::Dry(dry),
@@ -269,10 +269,10 @@ impl Loss {
         let [nut, screw, unloaded] = solved.contacts.each_ref();
         let power = |contact: &Option<MovingContact>| contact.as_ref().map(power).transpose();
         let dissipated = solution
-            .solved()
+            .steady_state()
             .and_then(|solved| solved.transmission.power)
             .map_or(f64::NAN, |power| power.dissipated);
-        let film = solution.solved().and_then(|solved| solved.film);
+        let film = solution.steady_state().and_then(|solved| solved.film);
         let sliding = film.map_or(dissipated, |film| film.sliding_power);
         let gyroscopic_moment = solved.ball.gyroscopic_moment(point.ball.inertia());
         let contacts = [power(nut)?, power(screw)?, power(unloaded)?];

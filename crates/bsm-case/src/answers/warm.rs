@@ -1,7 +1,9 @@
 //! Results for the warm steady state of an axis: quantities, uncertainty band, notes and warnings.
 
 use bsm_nut::FrictionSum;
-use bsm_nut::thermal::{Guess, NoSteadyState, OnBranch, PhaseState, Steady, WarmNut, celsius};
+use bsm_nut::thermal::{
+    BranchState, Estimate, NoSteadyState, PhaseState, SteadyState, WarmNut, celsius,
+};
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -128,13 +130,13 @@ impl WarmState {
 /// Returns the temperature of a network node at the fold \[°C\].
 fn at_fold(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
-    Some(celsius(fold.set, &fold.rises)[node])
+    Some(celsius(fold.assembly_temperature, &fold.rises)[node])
 }
 
 /// Returns the temperature of a network node in the unstable state at the given speeds \[°C\].
 fn unstable(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
-    Some(celsius(fold.set, &fold.unstable.as_ref()?.rises)[node])
+    Some(celsius(fold.assembly_temperature, &fold.unstable.as_ref()?.rises)[node])
 }
 
 /// Returns true if a result can be calculated only by following the branch of warm states to the
@@ -167,7 +169,7 @@ const PHASE_BAND_RESULTS: [&str; 2] =
 /// If the reason is thermal runaway or an excessive temperature, the upper bounds are missing,
 /// except that the screw tension lacks its lower bound. For any other reason, both bounds are
 /// missing.
-fn missing_bounds(unsolved: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
+fn missing_bounds(unsolved: &[(Estimate, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     let heats = |why: &NoSteadyState| {
         matches!(why, NoSteadyState::RunsAway(_) | NoSteadyState::TooHot { .. })
     };
@@ -179,16 +181,21 @@ fn missing_bounds(unsolved: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool
 
 /// Returns the results for a warm state: first the results in [`BAND_RESULTS`], and then the results in
 /// [`PHASE_BAND_RESULTS`] for each phase with motion.
-fn band_values(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
+fn band_values(nut: &WarmNut<'_>, steady: &SteadyState) -> Vec<f64> {
     let network = nut.network(1.0);
-    let (growth, tension) = (network.growth(&steady.rises), network.tension(&steady.rises));
+    let (growth, tension) =
+        (network.thermal_expansion(&steady.rises), network.tension(&steady.rises));
     let whole = [steady.heated.preload, steady.heat(), growth / UM, tension, steady.gain];
     let moving = steady.heated.phases.iter().flatten();
     let torques = moving.filter_map(|phase| {
-        let FrictionSum { torque, returns, .. } = phase.friction?;
-        Some([torque + returns, phase.drag])
+        let FrictionSum { torque, ball_returns, .. } = phase.friction?;
+        Some([torque + ball_returns, phase.drag])
     });
-    celsius(nut.set, &steady.rises).into_iter().chain(whole).chain(torques.flatten()).collect()
+    celsius(nut.assembly_temperature, &steady.rises)
+        .into_iter()
+        .chain(whole)
+        .chain(torques.flatten())
+        .collect()
 }
 
 impl Warm {
@@ -226,12 +233,12 @@ impl Warm {
             moving.flat_map(|number| PHASE_BAND_RESULTS.map(|name| format!("{name} {number}")));
         let names = BAND_RESULTS.map(str::to_owned).into_iter().chain(of_phase);
         let row = |((name, value), [low, high]): ((String, &f64), &[f64; 2])| {
-            let [no_low, no_high] = missing_bounds(&band.none, &name);
+            let [no_low, no_high] = missing_bounds(&band.failures, &name);
             let [low, high] =
                 [(low, no_low), (high, no_high)].map(|(end, open)| (!open).then_some(*end));
             BandRow { name, low, value: *value, high }
         };
-        let rows = names.zip(&band.values).zip(&band.ends);
+        let rows = names.zip(&band.values).zip(&band.limits);
         let is_there = |((name, value), _): &((String, &f64), &[f64; 2])| {
             let tension = name == "screw_tension_N" && state.tension.is_none();
             !(tension || value.is_nan())
@@ -252,14 +259,14 @@ impl Warm {
                 "The warm state excludes the friction heat of ball-to-ball contact.".to_owned(),
             );
         }
-        if state.steady.on_jump {
+        if state.steady.is_at_discontinuity {
             let what = "The friction of some balls is discontinuous at the warm state, because the \
                         controlling raceway or the model changes there. The calculated state uses \
                         the friction on one side of the jump.";
             notes.push(what.to_owned());
         }
         let Some(band) = &state.band else { return notes };
-        if let Some(why) = &band.none_complete {
+        if let Some(why) = &band.complete_failure {
             notes.push(format!(
                 "With typical values for the missing seal and support bearing torques, {why}."
             ));
@@ -272,12 +279,12 @@ impl Warm {
                 ),
             });
         }
-        for (guess, factor, why) in &band.none {
+        for (estimate, factor, why) in &band.failures {
             let (times, way) =
                 if *factor > 1.0 { (*factor, "larger") } else { (factor.recip(), "smaller") };
-            notes.push(format!("{why} if {} {times} times {way}", guess.clause()));
+            notes.push(format!("{why} if {} {times} times {way}", estimate.clause()));
         }
-        if !band.none.is_empty() {
+        if !band.failures.is_empty() {
             let what =
                 "The uncertainty band is open (null) on the side where no steady state exists.";
             notes.push(what.to_owned());
@@ -356,7 +363,7 @@ impl WarmBranch {
         }
         let (set, cold_preload_N, states) = Warm::branch(case, settings)?;
         let speed_rpm = AxisModel::of(case)?.axis.fastest() / RPM;
-        let point = |state: OnBranch| {
+        let point = |state: BranchState| {
             let [nut, screw, balls, ..] = celsius(set, &state.rises);
             WarmPoint {
                 speed_rpm: state.factor * speed_rpm,

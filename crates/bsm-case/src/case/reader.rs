@@ -287,14 +287,14 @@ pub(crate) fn in_grooves<D: Scalar>(
     let GothicArches { fit, far_friction } = arches;
     if let (ModelChoice::Fixed(Model::Traction), None, Some(fit)) = (model, &lubricant, fit) {
         let far_friction = far_friction.map_or(at.point.friction, Coulomb);
-        return Problem::GothicArch(GothicBall { at, fit, far_friction, accuracy, creep });
+        return Problem::GothicArch(GothicBall { screw: at, fit, far_friction, accuracy, creep });
     }
     let at = fit.map_or(at, |fit| at.fitted(fit.radial_gap, fit.oversize));
     if let Some(lubricant) = lubricant {
         let model = if model == Model::RacewayControl.into() {
-            LubricatedModel::RacewayControl(RacewayControl { at, control }, friction)
+            LubricatedModel::RacewayControl(RacewayControl { screw: at, control }, friction)
         } else {
-            LubricatedModel::Traction(Traction { at, accuracy, creep })
+            LubricatedModel::Traction(Traction { screw: at, accuracy, creep })
         };
         let ball = LubricatedBall { lubricant, model };
         return match fit {
@@ -309,10 +309,12 @@ pub(crate) fn in_grooves<D: Scalar>(
     }
     match model {
         ModelChoice::Fixed(Model::RacewayControl) => {
-            Problem::RacewayControl(RacewayControl { at, control })
+            Problem::RacewayControl(RacewayControl { screw: at, control })
         }
-        ModelChoice::Fixed(Model::Elastic) => Problem::Elastic(Elastic { at }),
-        ModelChoice::Fixed(Model::Traction) => Problem::Traction(Traction { at, accuracy, creep }),
-        _ => Problem::Auto(Auto { at, tolerance }),
+        ModelChoice::Fixed(Model::Elastic) => Problem::Elastic(Elastic { screw: at }),
+        ModelChoice::Fixed(Model::Traction) => {
+            Problem::Traction(Traction { screw: at, accuracy, creep })
+        }
+        _ => Problem::Auto(Auto { screw: at, tolerance }),
     }
 }

@@ -3,7 +3,8 @@
 use bsm_design::EndFixity;
 use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_nut::thermal::{
-    AxialHold, BallLink, Coolant, ScrewBar, Sinks, Surfaces, ThermalAxis, coolant_conductance,
+    AxialConstraint, BallLink, Coolant, ScrewBar, Surfaces, Surroundings, ThermalAxis,
+    coolant_conductance,
 };
 
 use crate::case::axis::AxisModel;
@@ -76,7 +77,7 @@ pub(crate) fn thermal_axis(
         let coolant = case.entries.coolant.map_or(Coolant::Water, |Named(coolant)| coolant);
         coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
     });
-    let hold = machine.held.map(|held| AxialHold {
+    let constraint = machine.held.map(|held| AxialConstraint {
         stiffness: held.shaft.constraint_stiffness(held.bearing),
         pretension: held.tension(0.0),
         youngs_modulus: shaft.youngs_modulus,
@@ -101,7 +102,7 @@ pub(crate) fn thermal_axis(
             coolant: case.coolant_conductance_W_K.or(flow).unwrap_or(0.0),
             nut_coolant: case.number(InputKey::nut_coolant_conductance_W_K),
         },
-        off: None,
+        changed_estimate: None,
         screw: ScrewBar {
             diameter: machine.axis.screw.pitch_diameter,
             length: shaft.length,
@@ -110,9 +111,9 @@ pub(crate) fn thermal_axis(
             conductivity: case.number(InputKey::steel_conductivity_W_m_K),
             expansion: case.number(InputKey::thermal_expansion_um_m_K) * UM,
             bearings: [true, shaft.support != EndFixity::FixedFree],
-            hold,
+            constraint,
         },
-        sinks: Sinks {
+        surroundings: Surroundings {
             air,
             structure: bed_over_set(case),
             coolant: coolant.map_or(air, |celsius| celsius + ZERO_CELSIUS - set_temperature(case)),

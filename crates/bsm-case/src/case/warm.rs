@@ -6,8 +6,8 @@ mod axis;
 use bsm_dyn::Model;
 use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_nut::thermal::{
-    Conductances, Fold, NODES, NoSteadyState, OnBranch, PhaseState, StateInterval, Steady, WarmNut,
-    celsius,
+    BranchState, Conductances, Fold, NODES, NoSteadyState, PhaseState, StateInterval, SteadyState,
+    WarmNut, celsius,
 };
 use bsm_nut::{Equilibrium, Support};
 
@@ -55,7 +55,7 @@ impl Detail {
 /// Results for a warm steady state.
 #[derive(Debug)]
 pub(crate) struct WarmState {
-    pub(crate) steady: Steady,
+    pub(crate) steady: SteadyState,
     /// Temperatures of the network nodes \[°C\].
     pub(crate) celsius: [f64; NODES],
     /// Thermal expansion that the screw would have with free ends \[m\].
@@ -105,7 +105,7 @@ impl Warm {
         case: &Case,
         settings: &Settings,
         detail: Detail,
-        band_values: impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
+        band_values: impl Fn(&WarmNut<'_>, &SteadyState) -> Vec<f64>,
     ) -> Result<Option<Self>, CaseError> {
         if !case.requests_warm_state() {
             return Ok(None);
@@ -129,7 +129,7 @@ impl Warm {
         case: &Case,
         settings: &Settings,
         detail: Detail,
-        band_values: &impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
+        band_values: &impl Fn(&WarmNut<'_>, &SteadyState) -> Vec<f64>,
     ) -> Result<Self, CaseError> {
         let (settings, replaced) = (*settings, None);
         let machine = AxisModel::of(case)?;
@@ -163,13 +163,13 @@ impl Warm {
         let (network, lubricated) = (nut.network(1.0), case.given().is_lubricated());
         let missing = missing_torques(case, machine.nominal(case));
         let state = WarmState {
-            celsius: celsius(nut.set, &steady.rises),
-            growth: network.growth(&steady.rises),
+            celsius: celsius(nut.assembly_temperature, &steady.rises),
+            growth: network.thermal_expansion(&steady.rises),
             stiffness: unloaded.map(stiffness),
             cold_life: cold.life().map(|life| life.revolutions),
             phases: steady.heated.phases.iter().map(|phase| phase.as_ref().map(in_phase)).collect(),
             preload: preload.map(|cold| NutPreload { warm: steady.heated.preload, ..cold }),
-            tension: nut.axis.screw.hold.map(|_| network.tension(&steady.rises)),
+            tension: nut.axis.screw.constraint.map(|_| network.tension(&steady.rises)),
             conductances: network.conductances,
             given: case.given(),
             oil: lubricated.then(|| nut.oil(&steady.rises) - ZERO_CELSIUS),
@@ -184,13 +184,17 @@ impl Warm {
     pub(crate) fn branch(
         case: &Case,
         settings: &Settings,
-    ) -> Result<(f64, Option<f64>, Vec<OnBranch>), CaseError> {
+    ) -> Result<(f64, Option<f64>, Vec<BranchState>), CaseError> {
         let machine = AxisModel::of(case)?;
         let axis = WarmAxis::of(case, settings, &machine)?;
         let nut = axis.nut()?;
         let states = nut.branch(axis.search());
         let cold = axis.cold.preload.map(|preload| preload.cold);
-        Ok((nut.set, cold, states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?))
+        Ok((
+            nut.assembly_temperature,
+            cold,
+            states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?,
+        ))
     }
 
     /// Calculates the warm state without its uncertainty band, if the case requests a warm state.

@@ -61,7 +61,7 @@ impl Output {
     /// it. Flags are returned as 0 or 1, and strings as the index of the string.
     pub fn read(&self, solution: &Solution) -> Option<f64> {
         let Origin::Solution { key, read } = self.origin else { return None };
-        match (&solution.answer, key) {
+        match (&solution.result, key) {
             (Ok(solved), _) => read(solved),
             (Err(_), SolutionOutput::self_locking) => solution.self_locking().map(yes),
             (Err(none), SolutionOutput::evidence) => none.evidence().map(|it| f64::from(it.rank())),

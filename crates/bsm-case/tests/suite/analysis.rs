@@ -47,7 +47,7 @@ fn slip_report_matches_the_model() {
     for (screw, nut) in [(5000.0, 0.0), (-3000.0, 0.0), (0.0, 1500.0), (2500.0, -1700.0)] {
         let case = case(XU, &[("screw_speed_rpm", screw), ("nut_speed_rpm", nut)]);
         for model in [Model::RacewayControl, Model::Traction] {
-            let o = solved(&case, &model.into()).answer.expect("a solution").ball;
+            let o = solved(&case, &model.into()).result.expect("a solution").ball;
             let report = slip(&case, model);
             for (name, value) in [
                 ("nut_differential_slip_m_s", o.nut.slip.map(|slip| slip.speed)),
@@ -425,7 +425,7 @@ fn jamming_results_of_a_lubricated_ball_without_a_film_equal_those_of_a_dry_ball
 fn jamming_analysis_of_a_lubricated_ball_uses_local_friction_coefficients() {
     let oil = case(OIL, &RETURN);
     let solution = solved(&oil, &Model::Traction.into());
-    let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");
+    let film = solution.steady_state().and_then(|solved| solved.film).expect("a lubricant");
     let report = bsm_case::jam(&oil, &solution).expect("a motion");
     let stopped = number(&report, "stopped_friction_coefficient");
     for coefficient in [film.nut.friction, film.screw.friction, stopped, 0.12] {
@@ -435,7 +435,7 @@ fn jamming_analysis_of_a_lubricated_ball_uses_local_friction_coefficients() {
     }
     // The screw slides faster on a stopped ball than on a moving ball, so the friction coefficient
     // is larger, but it remains below the limit of the oil.
-    assert!(film.screw.friction < stopped && stopped < film.screw.law.most(), "{stopped}");
+    assert!(film.screw.friction < stopped && stopped < film.screw.law.max_friction(), "{stopped}");
     let pushes = number(&report, "stopped_track_friction_N") / stopped;
     let load = number(&report, "screw_load_with_permanent_set_N");
     assert!((pushes / (20.0 * load) - 1.0).abs() < 1e-12, "the balls of a turn");
@@ -455,7 +455,7 @@ fn slip_powers_of_a_lubricated_ball_add_up_to_the_sliding_power() {
         for model in [Model::RacewayControl, Model::Traction] {
             let settings = model.into();
             let solution = solved(&oil, &settings);
-            let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");
+            let film = solution.steady_state().and_then(|solved| solved.film).expect("a lubricant");
             let report = bsm_case::slip(&oil, &settings, &solution).expect("a motion");
             let total = number(&report, "total_friction_power_W");
             // Model and analysis integrate the friction of the films at different points. The

@@ -64,7 +64,7 @@ fn displacement_at_small_load_matches_the_elastic_model() {
     ]);
     let settings: Settings = Model::RacewayControl.into();
     let solution = case.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
-    let model = 1e6 * solution.answer.expect("converged").ball.axial_displacement.expect("elastic");
+    let model = 1e6 * solution.result.expect("converged").ball.axial_displacement.expect("elastic");
     let ours = numbers(&case)("contact_displacement_um");
     // The contact angles change by the ratio of the contact deformation to the distance between the
     // arc centers, here 1e-4.
@@ -86,7 +86,7 @@ fn solve_and_nut_commands_report_the_same_axial_displacement() {
         let problem = case.problem(&settings).expect("complete");
         let solution = problem.solve(&mut ModelWorkspace::default());
         let of_solve =
-            solution.answer.expect("converged").ball.axial_displacement.expect("elastic");
+            solution.result.expect("converged").ball.axial_displacement.expect("elastic");
         let nut = NutProblem::of(&case, &settings).expect("a nut").solve().expect("a state");
         let of_nut = nut.number(output!(nut_displacement_um)).expect("a displacement");
         // The tolerance is ten times the ratio of centrifugal force to load, which is 1e-9 at 1

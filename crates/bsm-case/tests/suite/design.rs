@@ -171,7 +171,7 @@ fn fit_recovers_the_friction_coefficient() {
         let at = |case: &Case| {
             let solution =
                 case.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
-            solution.answer.expect("converged").transmission.screw_torque.expect("a load")
+            solution.result.expect("converged").transmission.screw_torque.expect("a load")
         };
         let torque = at(&case);
         let measured = format!("screw_torque_Nm={torque}");

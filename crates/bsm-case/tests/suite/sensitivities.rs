@@ -23,7 +23,7 @@ fn solve_with_derivatives(
 fn solve_without_derivatives(case: &Case, settings: &Settings) -> Option<Transmission> {
     let problem = case.problem(settings).expect("complete case");
     let solution = problem.solve(&mut ModelWorkspace::default());
-    Some(solution.solved()?.transmission)
+    Some(solution.steady_state()?.transmission)
 }
 
 /// Generates random cases with speed, load and driving side. All inputs are far from their limits.
@@ -254,7 +254,7 @@ fn third_contact_derivatives_match_finite_differences() {
         let settings = Settings::from(Model::Traction);
         let problem = case.problem(&settings).expect("complete case");
         let solution = problem.solve(&mut ModelWorkspace::default());
-        let far = solution.solved().and_then(|solved| solved.far_flank).expect("a play");
+        let far = solution.steady_state().and_then(|solved| solved.far_flank).expect("a play");
         assert!(far.contact.is_some(), "{far:?}");
         check_derivatives(&case, &settings).expect("exact derivatives");
         for name in ["axial_play_um", "radial_gap_um", "far_flank_friction_coefficient"] {

@@ -17,7 +17,7 @@ pub(crate) const POWER_BALANCE_TOL: f64 = 1e-9;
 
 /// Error that is returned if the ball does not orbit the screw axis. For such a ball, the spin
 /// moment would be an additional unknown.
-pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
+pub(crate) const DOES_NOT_ORBIT: EvalError = EvalError {
     quantity: "ratio of precession rate P to relative speed W",
     value: 0.0,
     requirement: "must not be zero, because a ball that does not orbit has no gyroscopic moment",

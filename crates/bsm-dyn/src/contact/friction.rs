@@ -66,7 +66,7 @@ pub(crate) fn friction_force<D: Scalar>(
 ) -> Result<Vector3<D>, EvalError> {
     let speed = sliding(slip.dot(slip).sqrt())?;
     let friction = law.coefficient(D::from(1.0), speed);
-    Ok(against(slip, friction * normal_load / speed))
+    Ok(friction_against(slip, friction * normal_load / speed))
 }
 
 /// Returns the slip speed after checking that it is positive and finite. For other values, the
@@ -84,7 +84,7 @@ pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
 
 /// Returns the friction force \[N\] that opposes a slip (F1). `size` is the magnitude of the
 /// friction force divided by the slip speed.
-pub(crate) fn against<D: Scalar>(slip: &Vector3<D>, size: D) -> Vector3<D> {
+pub(crate) fn friction_against<D: Scalar>(slip: &Vector3<D>, size: D) -> Vector3<D> {
     // F = −f Q v/|v|                                                      (F1)
     slip * -size
 }

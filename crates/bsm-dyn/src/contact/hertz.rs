@@ -168,7 +168,7 @@ impl<D: Real> Hertz<D> {
     /// Creates the contact for a given shape of the ellipse, given curvatures and a given contact
     /// modulus \[Pa\] (H8), (H9).
     #[inline(always)]
-    pub fn on(axes: &Axes<D>, curvatures: &Curvatures<D>, modulus: D) -> Self {
+    pub fn with_axes(axes: &Axes<D>, curvatures: &Curvatures<D>, modulus: D) -> Self {
         let Axes { flatness, k, e } = *axes;
         let sum = curvatures.longitudinal + curvatures.transverse;
         // a = (3 κ² E Q / (π S E*))^{1/3}                                 (H8)
@@ -215,7 +215,7 @@ impl<D: Scalar> Hertz<D> {
             }
         }
         let axes = Axes::of(targets);
-        Ok(from_fn(|i| Self::on(&axes[i], &curvatures[i], modulus)))
+        Ok(from_fn(|i| Self::with_axes(&axes[i], &curvatures[i], modulus)))
     }
 
     /// Returns the elastic approach \[m\] under the load `load` \[N\] (H9).
@@ -280,16 +280,16 @@ const PRACTICAL_ITERATIONS: Iterations = Iterations { steps: 3, agm_steps: 6 };
 
 /// Numbers of iterations for curvature ratios up to 1e30. No groove in double precision has a
 /// larger curvature ratio.
-const BEYOND: Iterations = Iterations { steps: 12, agm_steps: 12 };
+const EXTREME_ITERATIONS: Iterations = Iterations { steps: 12, agm_steps: 12 };
 
 impl<D: Real> Axes<D> {
-    /// Maximum curvature ratio `$\rho_t/\rho_x$` for [`Self::in_practice`].
+    /// Maximum curvature ratio `$\rho_t/\rho_x$` for [`Self::of_practical_ratio`].
     pub const MAX_PRACTICAL_RATIO: f64 = 1e4;
 
     /// Solves (H7) for curvature ratios from 1 to [`Self::MAX_PRACTICAL_RATIO`], accurate to
     /// rounding errors.
     #[inline(always)]
-    pub fn in_practice(target: D) -> Self {
+    pub fn of_practical_ratio(target: D) -> Self {
         Self::solve(target, PRACTICAL_ITERATIONS).0
     }
 
@@ -347,7 +347,7 @@ impl<const N: usize> WithSimd for SideBySide<N> {
         let mut targets = [1.0; BLOCK];
         targets[..N].copy_from_slice(&self.0);
         let is_practical = self.0.iter().all(|ratio| *ratio <= Axes::<f64>::MAX_PRACTICAL_RATIO);
-        let effort = if is_practical { PRACTICAL_ITERATIONS } else { BEYOND };
+        let effort = if is_practical { PRACTICAL_ITERATIONS } else { EXTREME_ITERATIONS };
         let mut all = [(Axes { flatness: 1.0, k: 1.0, e: 1.0 }, CurvatureEquation::at(1.0, 1)); N];
         for first in (0..N).step_by(S::F64_LANES) {
             let (axes, at) = Axes::solve(Lane::<S>::load(simd, &targets[first..]), effort);

@@ -31,7 +31,7 @@ pub struct Wedge<D> {
 impl<D: Scalar> Wedge<D> {
     /// Returns the wedge angle `$D = \beta_B - \beta_A$` \[rad\]. The wedge opens toward the axis
     /// if the angle is positive.
-    pub fn opening(&self) -> D {
+    pub fn wedge_angle(&self) -> D {
         self.angles[1] - self.angles[0]
     }
 
@@ -48,17 +48,17 @@ impl<D: Scalar> Wedge<D> {
     }
 
     /// Returns the force \[N\] that holds the ball in the wedge, which is the left side of (M8).
-    pub fn holding(&self) -> D {
+    pub fn holding_force(&self) -> D {
         let [a, b] = self.across();
         // Holding force: (F_XA + F_XB) cos(D/2) + F_c sin β               (M8)
-        (a + b) * (self.opening() * 0.5).cos() + self.centrifugal * self.mean_angle().sin()
+        (a + b) * (self.wedge_angle() * 0.5).cos() + self.centrifugal * self.mean_angle().sin()
     }
 
     /// Returns the force \[N\] that pushes the ball out of the wedge, which is the right side of
     /// (M8). It is negative if the wedge opens outward.
-    pub fn expelling(&self) -> D {
+    pub fn expelling_force(&self) -> D {
         // Expelling force: (Q_A + Q_B) sin(D/2)                           (M8)
-        (self.loads[0] + self.loads[1]) * (self.opening() * 0.5).sin()
+        (self.loads[0] + self.loads[1]) * (self.wedge_angle() * 0.5).sin()
     }
 
     /// Returns the friction coefficient above which friction holds the ball in the wedge, for
@@ -66,9 +66,9 @@ impl<D: Scalar> Wedge<D> {
     ///
     /// If there is no slip across the grooves, the result is infinite.
     pub fn critical_friction(&self) -> D {
-        let push = self.expelling() - self.centrifugal * self.mean_angle().sin();
+        let push = self.expelling_force() - self.centrifugal * self.mean_angle().sin();
         // f_lock = |(Q_A + Q_B) sin(D/2) − F_c sinβ| / (Σ Q|cosψ| cos(D/2))  (M9)
-        magnitude(push) / (self.load_across() * (self.opening() * 0.5).cos())
+        magnitude(push) / (self.load_across() * (self.wedge_angle() * 0.5).cos())
     }
 
     /// Returns the critical friction coefficients at nut and screw, calculated with the formula as
@@ -84,7 +84,7 @@ impl<D: Scalar> Wedge<D> {
     ///
     /// Source: Dong et al. (2020), Equation 17 without the radical.
     pub fn critical_friction_simplified(&self) -> D {
-        magnitude((self.opening() * 0.5).tan())
+        magnitude((self.wedge_angle() * 0.5).tan())
     }
 
     /// Returns the critical friction coefficient of a ball without centrifugal force, calculated
@@ -196,7 +196,7 @@ impl EntryStep {
 
     /// Returns the maximum step height, divided by the ball radius, over which a force can lift the
     /// ball (M22).
-    pub fn highest(&self) -> f64 {
+    pub fn max_step_height(&self) -> f64 {
         // h_max/r_b = 1 − sinφ                                            (M22)
         1.0 - self.rolling.atan().sin()
     }
@@ -273,7 +273,7 @@ mod tests {
             let out = Vector3::new(0.0, a.sin(), -a.cos());
             let net = (forces - frame.n * f_c).dot(&out);
             let friction: f64 = wedge.across().iter().sum();
-            let held = wedge.holding() - friction * tilt.cos() - wedge.expelling();
+            let held = wedge.holding_force() - friction * tilt.cos() - wedge.expelling_force();
             // The tolerance allows for rounding errors of forces of 1 kN.
             prop_assert!((held + net).abs() <= 1e-11, "{held} {net}");
             let critical = Wedge { friction: [wedge.critical_friction(); 2], ..wedge };
@@ -382,7 +382,7 @@ mod tests {
         let step = |height, angle, rolling| EntryStep { height, angle, rolling };
         let flat = step(0.0, 0.4, 0.0).thrust_ratio().expect("flat");
         assert_relative_eq!(flat, 0.4_f64.cos(), max_relative = 1e-14);
-        let highest = step(0.0, 0.4, 0.02).highest();
+        let highest = step(0.0, 0.4, 0.02).max_step_height();
         assert!(step(highest * (1.0 - 1e-6), 0.4, 0.02).thrust_ratio().expect("below") > 1e4);
         assert_eq!(step(highest * (1.0 + 1e-6), 0.4, 0.02).thrust_ratio(), None);
         assert_eq!(step(1.5, 0.4, 0.0).thrust_ratio(), None);

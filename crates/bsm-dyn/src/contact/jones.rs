@@ -68,7 +68,11 @@ impl<D: Scalar> Jones<D> {
     ///
     /// Returns [`EvalError`] if no contact angle at the screw corresponds to the contact angle at
     /// the nut.
-    pub(crate) fn opposite(&self, [nut, screw]: [D; 2], nut_angle: D) -> Result<(D, D), EvalError> {
+    pub(crate) fn screw_angle(
+        &self,
+        [nut, screw]: [D; 2],
+        nut_angle: D,
+    ) -> Result<(D, D), EvalError> {
         let both = self.nut_offset + self.screw_offset;
         let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
         // cosβ_B = (A₂ − l_A cosβ_A)/l_B                                  (J9)
@@ -156,7 +160,7 @@ mod tests {
             nut in 0.0..1e-4_f64, screw in 0.0..1e-4_f64, tilt in -0.3..0.3_f64,
         ) {
             let (mean, displacement) = SCREW.deformed([nut, screw], tilt).unwrap();
-            let (opposite, same) = SCREW.opposite([nut, screw], mean - tilt).unwrap();
+            let (opposite, same) = SCREW.screw_angle([nut, screw], mean - tilt).unwrap();
             // The tolerance exceeds the usual rounding errors, because a small angle is calculated
             // from a cosine that hardly depends on it.
             assert_relative_eq!(opposite, mean + tilt, max_relative = 1e-13);
@@ -185,7 +189,7 @@ mod tests {
     /// calculation returns an error.
     #[test]
     fn nut_contact_angle_for_which_no_screw_contact_angle_exists_is_rejected() {
-        assert!(SCREW.opposite([1e-3, 0.0], 0.0).is_err());
+        assert!(SCREW.screw_angle([1e-3, 0.0], 0.0).is_err());
     }
 
     proptest! {

@@ -33,7 +33,11 @@ impl Transition {
     /// * `square`: square of the slip speed.
     /// * `part`: maximum pressure on the line, divided by the maximum pressure in the contact.
     #[inline(always)]
-    pub(crate) fn pressure<S: Simd>(&self, square: Lane<S>, part: Lane<S>) -> (Lane<S>, Lane<S>) {
+    pub(crate) fn line_pressure<S: Simd>(
+        &self,
+        square: Lane<S>,
+        part: Lane<S>,
+    ) -> (Lane<S>, Lane<S>) {
         let one = square.constant(1.0);
         // p* = a_p l/(1 − b_p l),  l = −ln[2 η s/(h τ_E)]                 (Y34)
         let log = (square * (self.shear * self.shear)).max(one.constant(TINY)).ln() * -0.5;

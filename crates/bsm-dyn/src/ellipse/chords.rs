@@ -66,7 +66,7 @@ pub(super) trait AddChords<S: Simd> {
 
 /// Number of blocks of lines that are calculated before the first of them is summed. The processor
 /// can then work on one block while it waits for the results of another.
-const AHEAD: usize = 2;
+const BLOCKS_AHEAD: usize = 2;
 
 /// Passes the lines across the ellipses of two contacts to `sums`. Contacts for which `done` is
 /// true are skipped.
@@ -82,12 +82,12 @@ pub(super) fn for_each_chord<S: Simd>(
     let mut nodes = [panels.nodes(0), panels.nodes(1)];
     let mut frozen = [placements[0].lines().1.iter(), placements[1].lines().1.iter()];
     let mut made = [Vec::new(), Vec::new()];
-    let mut ready = [(0, Chords::NONE); 2 * AHEAD];
+    let mut ready = [(0, Chords::NONE); 2 * BLOCKS_AHEAD];
     loop {
         let mut count = 0;
         for c in 0..2 {
             let slip = slips[c].splat(simd);
-            for _ in 0..AHEAD {
+            for _ in 0..BLOCKS_AHEAD {
                 let Some(nodes) = nodes[c].next() else { break };
                 let (ellipse, lines) = &mut ready[count];
                 *ellipse = c;

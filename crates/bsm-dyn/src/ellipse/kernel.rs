@@ -518,7 +518,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
             done[i] = done[i] || L::all_over(simd, &mut sums, i);
         }
         for_each_chord(simd, nodes, slips, done, &mut sums);
-        cost::summed(S::F64_LANES * sums.count);
+        cost::count_nodes(S::F64_LANES * sums.count);
         let mut found = [Resultants::none(0.0); 2];
         for (i, found) in found.iter_mut().enumerate() {
             let mut terms = [0.0; ALL];

@@ -20,7 +20,7 @@ pub(super) fn nodes(
     bend: Option<&Transition>,
 ) -> Vec<(f64, f64, f64)> {
     let list = Arch::new().dispatch(ListNodes(point, nodes, bend));
-    cost::summed(list.len());
+    cost::count_nodes(list.len());
     list
 }
 

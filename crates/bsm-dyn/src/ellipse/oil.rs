@@ -49,7 +49,7 @@ impl PolarRule {
         let spread = 0.2 * (q_1 * q_1 + slip.spin_speed * slip.spin_speed);
         let square = middle * middle + b_0 * b_0 + spread + slip.creep * slip.creep;
         let (at, pole_distance) =
-            bend.pressure(Lane::<S>::splat(simd, square), Lane::splat(simd, 1.0));
+            bend.line_pressure(Lane::<S>::splat(simd, square), Lane::splat(simd, 1.0));
         let width = (pole_distance * 2.0).min(pole_distance.constant(8.0));
         let from = (-at / width).arsinh();
         let length = ((-at + 1.0) / width).arsinh() - from;
@@ -124,7 +124,7 @@ impl<S: Simd> HalfChord<S> {
         let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across_at(xi, half_length));
         let square = v_t * v_t + b_0 * b_0 + b_1 * b_1 * 0.25 + slip.creep * slip.creep;
         let one = xi.constant(1.0);
-        let (at, pole_distance) = bend.pressure(square, half_length);
+        let (at, pole_distance) = bend.line_pressure(square, half_length);
         // ζ = t √(2 − t²) gives the position t* and the width of the transition. In the middle of
         // the line, the width is √(pole distance)/2.
         let inside = at.min(one);

@@ -130,7 +130,7 @@ impl<'a> Panels<'a> {
         let middle = clamp(0.5 * (poles[0].0.at + poles[1].0.at), -1.0, 1.0);
         for (i, (low, high)) in [(-1.0, middle), (middle, 1.0)].into_iter().enumerate() {
             let (pole, square) = poles[i];
-            let inside = frozen.map_or(square < rule.least(), |split| split[i]);
+            let inside = frozen.map_or(square < rule.min_outside_distance(), |split| split[i]);
             let split = inside && !nodes.coarse && low < pole.at && pole.at < high;
             self.split[ellipse][i] = split;
             let (cut, nodes) = if split { (pole.at, &rule.part) } else { (high, &rule.panel) };

@@ -70,7 +70,7 @@ impl<'a> Placement<'a> {
             squares.iter().fold(f64::INFINITY, |least, square| least.min(*square))
         };
         let least = nearest(squares);
-        if self.coarse || rule.least() <= least {
+        if self.coarse || rule.min_outside_distance() <= least {
             return InnerNodes { count: rule.count(least).or(Some(UNRESOLVED)), inside: None };
         }
         if rule.is_dry() {
@@ -82,7 +82,7 @@ impl<'a> Placement<'a> {
         for (inside, square) in inside.iter_mut().zip(&mut outside) {
             // A NaN needs no special treatment in this comparison, because a single NaN makes every
             // sum NaN.
-            if *square < rule.least() {
+            if *square < rule.min_outside_distance() {
                 (*inside, *square) = (1.0, f64::INFINITY);
             }
         }

@@ -29,7 +29,8 @@ pub fn power_of_many<S: Simd, const N: usize>(
     let poles = slip.poles();
     let middle = clamp((poles[0].at + poles[1].at) * 0.5, -1.0, 1.0);
     let ends = [[zero.constant(-1.0), middle], [middle, zero.constant(1.0)]];
-    let (mut power, mut resolved, least) = (zero, zero.mask(true), zero.constant(rule.least()));
+    let (mut power, mut resolved, least) =
+        (zero, zero.mask(true), zero.constant(rule.min_outside_distance()));
     for (pole, [low, high]) in poles.iter().zip(ends) {
         let from = ((low - pole.at) / pole.width).arsinh();
         let length = ((high - pole.at) / pole.width).arsinh() - from;
@@ -49,7 +50,7 @@ pub fn power_of_many<S: Simd, const N: usize>(
 }
 
 /// Maximum number of contacts that are processed side by side.
-const MANY: usize = 4 * BLOCK;
+const MAX_CONTACTS: usize = 4 * BLOCK;
 
 /// Adds the friction power along the lines of one panel.
 ///
@@ -64,20 +65,20 @@ fn add_power<S: Simd, const N: usize>(
     square: Lane<S, N>,
     mut power: Lane<S, N>,
 ) -> Lane<S, N> {
-    let (mut inner, mut most) = ([&[][..]; MANY], 0);
+    let (mut inner, mut most) = ([&[][..]; MAX_CONTACTS], 0);
     for (inner, square) in inner.iter_mut().zip(square.as_slice()) {
         *inner = rule.count(*square).map_or(&[][..], |count| &rule.inner[count]);
         most = most.max(inner.len());
     }
     for k in 0..most {
         // Each contact has its own nodes along the lines. Unused nodes have zero weights.
-        let (mut abscissae, mut parts) = ([0.0; MANY], [0.0; MANY]);
+        let (mut abscissae, mut parts) = ([0.0; MAX_CONTACTS], [0.0; MAX_CONTACTS]);
         for (i, inner) in inner[..Lane::<S, N>::LEN].iter().enumerate() {
             if let Some((abscissa, part)) = inner.get(k) {
                 (abscissae[i], parts[i]) = (*abscissa, *part);
             }
         }
-        let (s, part) = (power.like(&abscissae), power.like(&parts));
+        let (s, part) = (power.load_like(&abscissae), power.load_like(&parts));
         for (xi, weight) in *lines {
             let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
             let v_c = b_0 + b_1 * s;
@@ -105,9 +106,10 @@ pub fn lubricated_powers<S: Simd, const N: usize>(
     wanted: Mask<S, N>,
     rules: [&Quadrature; 2],
 ) -> [[Lane<S, N>; 2]; 2] {
-    let ([oil, dry], mut is_wanted) = (rules.map(|rule| [Placement::from(rule); 2]), [false; MANY]);
+    let ([oil, dry], mut is_wanted) =
+        (rules.map(|rule| [Placement::from(rule); 2]), [false; MAX_CONTACTS]);
     wanted.store(&mut is_wanted);
-    let mut powers = [[[f64::NAN; MANY]; 2]; 2];
+    let mut powers = [[[f64::NAN; MAX_CONTACTS]; 2]; 2];
     for row in (0..Lane::<S, N>::LEN).filter(|row| is_wanted[*row]) {
         let points = patches.each_ref().map(|patch| patch.at(row));
         let laws = laws.map(|law| OilLaw::of(&law.map(|lane| lane.as_slice()[row])));
@@ -119,5 +121,5 @@ pub fn lubricated_powers<S: Simd, const N: usize>(
             powers[row] = found.power;
         }
     }
-    powers.map(|powers| powers.map(|powers| patches[0].creep.like(&powers)))
+    powers.map(|powers| powers.map(|powers| patches[0].creep.load_like(&powers)))
 }

@@ -76,12 +76,12 @@ pub(crate) struct Rules(Vec<(f64, [Quadrature; 2])>);
 impl Rules {
     /// Returns the quadrature rules for a constant friction coefficient.
     pub(crate) fn dry<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
-        self.get(accuracies, |accuracy| [Quadrature::of(accuracy), Quadrature::check(accuracy)])
+        self.get(accuracies, |accuracy| [Quadrature::of(accuracy), Quadrature::coarser(accuracy)])
     }
 
     /// Returns the quadrature rules for an oil.
     pub(crate) fn of_oil<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
-        let make = |accuracy| [Quadrature::of_oil(accuracy), Quadrature::check_of_oil(accuracy)];
+        let make = |accuracy| [Quadrature::of_oil(accuracy), Quadrature::coarser_of_oil(accuracy)];
         self.get(accuracies, make)
     }
 
@@ -161,12 +161,12 @@ fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
 }
 
 /// Maximum number of additional nodes along a line, beyond the number that the accuracy requires.
-const MAX_MORE: usize = 1;
+const MAX_EXTRA_NODES: usize = 1;
 
 /// Results of [`chebyshev`], indexed by the number of nodes. All quadrature rules share this table,
 /// because creating it takes seven times as long as creating the rest of a rule.
 static CHEBYSHEV: LazyLock<Vec<Vec<(f64, f64)>>> =
-    LazyLock::new(|| (0..).take(MAX_INNER_NODES + MAX_MORE + 1).map(chebyshev).collect());
+    LazyLock::new(|| (0..).take(MAX_INNER_NODES + MAX_EXTRA_NODES + 1).map(chebyshev).collect());
 
 /// Returns the number of nodes for each part of a split panel, from the number of nodes of a whole
 /// panel.
@@ -209,7 +209,7 @@ impl Quadrature {
 
     /// Returns the coarser rule for estimating the error of [`Self::of_oil`]. It has fewer nodes in
     /// both directions.
-    pub(crate) fn check_of_oil(accuracy: f64) -> Self {
+    pub(crate) fn coarser_of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
         Self::lubricated(nodes, (3 * nodes / 4).saturating_sub(2), 10.0 * accuracy)
     }
@@ -230,7 +230,7 @@ impl Quadrature {
     }
 
     /// Returns the minimum `$\sinh^2\eta$` for which a spin pole counts as outside the ellipse.
-    pub(super) fn least(&self) -> f64 {
+    pub(super) fn min_outside_distance(&self) -> f64 {
         self.pole_distance.last().copied().unwrap_or(f64::INFINITY)
     }
 
@@ -255,12 +255,12 @@ impl Quadrature {
     /// Returns the coarser rule for the error estimate. It has fewer nodes per panel, but one more
     /// node along each line. With equal numbers of nodes along the lines, both rules would have
     /// equal errors along the lines, and the estimate would not detect these errors.
-    pub(crate) fn check(accuracy: f64) -> Self {
+    pub(crate) fn coarser(accuracy: f64) -> Self {
         Self::with(part_of_panel(Self::nodes(accuracy)), accuracy, 1)
     }
 
     /// Creates a rule with `nodes` nodes per panel. Along each line, it has as many nodes as an
-    /// error of `tolerance` requires, plus `more` nodes (at most [`MAX_MORE`]).
+    /// error of `tolerance` requires, plus `more` nodes (at most [`MAX_EXTRA_NODES`]).
     pub(crate) fn with(nodes: usize, tolerance: f64, more: usize) -> Self {
         let part = Gauss::of(part_of_panel(nodes));
         // The sufficient number of nodes at η is m = max(2, ⌈−ln ε/(2η)⌉ − 1)       (T19)

@@ -7,7 +7,7 @@ use bsm_kin::{Jet, Real};
 
 use crate::models::ball::{
     Basis, Choice, ContactState, Direction, ElasticContacts, ElasticPoint, ErrorBound, Model,
-    NoAnswer, Performance, SlipRegime, Solution, SteadyState,
+    Performance, SlipRegime, Solution, SolveFailure, SteadyState,
 };
 use crate::models::elastic::{Elastic, SlidingBall};
 use crate::models::raceway_control::RacewayControl;
@@ -19,7 +19,7 @@ use crate::outcome::Status;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Auto<D = f64> {
     /// The screw at its operating point.
-    pub at: ElasticPoint<D>,
+    pub screw: ElasticPoint<D>,
     /// Permitted error of the efficiency relative to the traction model (dimensionless), positive.
     pub tolerance: f64,
 }
@@ -35,7 +35,7 @@ impl Auto {
 
     /// Returns the solution, together with the root of the traction model if that model was chosen.
     fn solve_for_root(&self, work: &mut ModelWorkspace) -> (Solution, Option<SlipRoot>) {
-        let contacts = match self.at.scaled() {
+        let contacts = match self.screw.scaled() {
             Ok(contacts) => contacts,
             Err(invalid) => return (Solution::new(Model::RacewayControl, Err(invalid)), None),
         };
@@ -47,22 +47,25 @@ impl Auto {
                 // error bound of raceway control is small.
                 return None;
             }
-            let solved = work.raceway.solved(&self.at, &contacts, &rolling_ball).ok()?;
+            let solved = work.raceway.steady_state(&self.screw, &contacts, &rolling_ball).ok()?;
             Some((rolling_ball, solved, ModelErrors::of_ball(&contacts, &solved)?))
         });
         if let Some((rolling_ball, solved, errors)) = &known {
             match errors.basis(self.tolerance) {
                 Some(basis @ Basis::Rolling { .. }) => {
-                    let solved =
-                        work.raceway.with_others(&self.at, &contacts, rolling_ball, None, solved);
+                    let solved = work.raceway.with_alternatives(
+                        &self.screw,
+                        &contacts,
+                        rolling_ball,
+                        None,
+                        solved,
+                    );
                     return (self.chosen(&solved, Some(errors.rolling), basis), None);
                 }
                 Some(basis) => {
-                    if let Ok(skid) =
-                        self.at.point.require_friction().and_then(|()| {
-                            Elastic { at: self.at }.solved(&contacts, &mut work.elastic)
-                        })
-                    {
+                    if let Ok(skid) = self.screw.point.require_friction().and_then(|()| {
+                        Elastic { screw: self.screw }.steady_state(&contacts, &mut work.elastic)
+                    }) {
                         let eta = |solved: &SteadyState| solved.transmission.efficiency;
                         let bound = errors.skid_bound((eta(solved) - eta(&skid)).abs());
                         if bound <= self.tolerance {
@@ -75,8 +78,8 @@ impl Auto {
             }
         }
         let traction =
-            Traction { at: self.at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
-        let integrated = self.at.point.require_friction().and_then(|()| {
+            Traction { screw: self.screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let integrated = self.screw.point.require_friction().and_then(|()| {
             let start = Start::new(&contacts, rolling_ball.as_ref())?;
             traction.solve_to(&start, self.tolerance, &mut work.traction)
         });
@@ -85,15 +88,15 @@ impl Auto {
                 let basis = Basis::Integrated { accuracy };
                 (self.chosen(&found.solved, Some(error), basis), Some(found.root))
             }
-            Err(none) => {
+            Err(failure) => {
                 let solution = match known {
                     // If the ball rolls but the traction model fails, the less accurate result of
                     // raceway control is better than no result.
                     Some((rolling_ball, solved, errors))
                         if SlipRegime::of(errors.onset_number) == SlipRegime::Rolling =>
                     {
-                        let solved = work.raceway.with_others(
-                            &self.at,
+                        let solved = work.raceway.with_alternatives(
+                            &self.screw,
                             &contacts,
                             &rolling_ball,
                             None,
@@ -102,12 +105,12 @@ impl Auto {
                         let basis = Basis::Rolling { onset_number: errors.onset_number };
                         // If no solution of the traction model exists, the error relative to that
                         // solution is undefined.
-                        let exists = none.status() != Status::NoSolution;
+                        let exists = failure.status() != Status::NoSolution;
                         let bound =
                             Some(errors.rolling).filter(|bound| exists && bound.is_finite());
                         self.chosen(&solved, bound, basis)
                     }
-                    _ => Solution::new(Model::Traction, Err(none)),
+                    _ => Solution::new(Model::Traction, Err(failure)),
                 };
                 (solution, None)
             }
@@ -118,10 +121,10 @@ impl Auto {
     fn chosen(&self, solved: &SteadyState, error_bound: Option<f64>, basis: Basis) -> Solution {
         let choice = Some(Choice { basis, tolerance: self.tolerance });
         let direction =
-            Direction::of(self.at.point.drive.relative_speed()).expect("the point was solved");
+            Direction::of(self.screw.point.drive.relative_speed()).expect("the point was solved");
         let efficiency = solved.transmission.efficiency;
         let error = error_bound.map(|bound| ErrorBound::of(direction, efficiency, bound));
-        Solution { model: basis.model(), answer: Ok(SteadyState { error, ..*solved }), choice }
+        Solution { model: basis.model(), result: Ok(SteadyState { error, ..*solved }), choice }
     }
 }
 
@@ -131,20 +134,22 @@ impl<const M: usize> Auto<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
-        let Self { at, tolerance } = *self;
-        let (solution, root) = Auto { at: at.values(), tolerance }.solve_for_root(work);
-        let basis = match solution.answer {
-            Err(none) => return Err(none),
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
+        let Self { screw, tolerance } = *self;
+        let (solution, root) = Auto { screw: screw.values(), tolerance }.solve_for_root(work);
+        let basis = match solution.result {
+            Err(failure) => return Err(failure),
             Ok(_) => solution.choice.map(|choice| choice.basis),
         };
         match (basis, root) {
-            (Some(Basis::GrossSkid { .. }), _) => Elastic { at }.sensitivities(&mut work.elastic),
+            (Some(Basis::GrossSkid { .. }), _) => {
+                Elastic { screw }.sensitivities(&mut work.elastic)
+            }
             (Some(Basis::Integrated { accuracy }), Some(root)) => {
-                let case = Traction { at, accuracy, creep: Traction::CREEP };
+                let case = Traction { screw, accuracy, creep: Traction::CREEP };
                 case.sensitivities_at(&root, &mut work.traction)
             }
-            _ => RacewayControl { at, control: None }.sensitivities(&mut work.raceway),
+            _ => RacewayControl { screw, control: None }.sensitivities(&mut work.raceway),
         }
     }
 }

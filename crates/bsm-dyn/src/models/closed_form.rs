@@ -96,7 +96,7 @@ pub fn transmitted<F: Real>(
 
 /// Returns the result of [`transmitted`] for a single point. If the screw cannot be turned, torque
 /// and loads are `None`.
-pub(crate) fn answer(
+pub(crate) fn steady_state(
     ball: &BallState,
     (efficiency, self_locking): (f64, bool),
     load_ratio: f64,
@@ -138,7 +138,7 @@ impl ClosedForm {
         [ball.nut.slip_angle, ball.screw.slip_angle] = sines.slip_angles(back).map(Some);
         let found = (sines.efficiency(back, f), sines.self_locking(back, f));
         let (ratio, lead) = (sines.load_ratio(back, f), (self.direction, sines.tan_a()));
-        let solved = answer(&ball, found, ratio, self.size, lead);
+        let solved = steady_state(&ball, found, ratio, self.size, lead);
         Solution::new(Model::ClosedForm, Ok(solved))
     }
 }
@@ -183,7 +183,7 @@ mod tests {
             size: Some(size),
         };
         let solution = case.solve();
-        let torque = solution.solved().expect("converged").transmission.screw_torque;
+        let torque = solution.steady_state().expect("converged").transmission.screw_torque;
         let load = solution.contact(Site::Nut).expect("a contact").load;
         for value in [torque, load].into_iter().flatten() {
             // The friction coefficient is one rounding error away from the limit of self-locking,

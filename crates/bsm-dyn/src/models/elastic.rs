@@ -17,15 +17,16 @@ use self::curve::root;
 pub use self::states::{SlidingBall, SlidingMotion, SlidingState};
 pub use self::steady::SlidingRoot;
 use self::steady::rotation;
-use crate::contact::{Coulomb, DOES_NOT_CIRCLE, Wrench, against, friction_force, torque};
+use crate::contact::{Coulomb, DOES_NOT_ORBIT, Wrench, friction_against, friction_force, torque};
 use crate::cost;
 use crate::models::ball::equation::MOMENT;
 use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
 use crate::models::ball::{
-    BALL, BallLoads, ElasticContacts, ElasticPoint, Model, NoAnswer, ROWS, Reason, Solution,
-    SolveInfo, SteadyState, Workspace, domain_error, equations, friction_power, weight,
+    BALL_UNKNOWNS, BallLoads, EQUATION_NAMES, ElasticContacts, ElasticPoint, Model, Reason,
+    Solution, SolveFailure, SolveInfo, SteadyState, Workspace, domain_error, equations,
+    friction_power, weight,
 };
 
 /// Minimum ratio of inertia force to friction force (dimensionless). Above this ratio, rounding
@@ -36,7 +37,7 @@ const MIN_INERTIA: f64 = 1e-5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elastic<D = f64> {
     /// The screw at its operating point. The friction coefficient must be positive.
-    pub at: ElasticPoint<D>,
+    pub screw: ElasticPoint<D>,
 }
 
 /// Reusable buffers for solving elastic models.
@@ -68,15 +69,15 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
     ///
     /// Returns [`EvalError`] if a contact is lost, or if the direction of friction or of the
     /// gyroscopic moment is undefined.
-    fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<GrossSlipState<D>, EvalError> {
-        cost::evaluated();
+    fn state<D: Over<P>>(&self, y: &[D; BALL_UNKNOWNS]) -> Result<GrossSlipState<D>, EvalError> {
+        cost::count_evaluation();
         let contacts = self.0;
         let loaded = contacts.loaded([y[NUT_LOAD], y[SCREW_LOAD]], y[TILT])?;
         let [nut, screw] = loaded.contacts;
         // P = Ω_n + p W                                                   (S2)
         let precession = y[PRECESSION] + contacts.scaled.nut_speed;
         if precession.re() == 0.0 {
-            return Err(DOES_NOT_CIRCLE);
+            return Err(DOES_NOT_ORBIT);
         }
         // V_A = W r_b λ (cosθ e_xA + sinθ t)                              (S4)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
@@ -106,7 +107,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         let slip = [along * y[SLIP], slip_screw];
         let friction = D::from(contacts.directed_friction());
         let friction = [
-            against(&along, y[NUT_LOAD] * friction),
+            friction_against(&along, y[NUT_LOAD] * friction),
             friction_force(&Coulomb(friction), y[SCREW_LOAD], &slip[1])?,
         ];
         let wrench = std::array::from_fn(|i| {
@@ -121,7 +122,10 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
     /// # Errors
     ///
     /// Returns the errors of [`state`](Self::state).
-    fn residual<D: Over<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+    fn residual<D: Over<P>>(
+        &self,
+        y: &[D; BALL_UNKNOWNS],
+    ) -> Result<[D; BALL_UNKNOWNS], EvalError> {
         let (contacts, state) = (self.0, self.state(y)?);
         // The nut speed is along k and causes no gyroscopic moment, so it is omitted to avoid
         // rounding errors.
@@ -130,7 +134,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
     }
 }
 
-equations!(GrossSlipEquations<'_>, BALL, GrossSlipEquations::residual, ROWS);
+equations!(GrossSlipEquations<'_>, BALL_UNKNOWNS, GrossSlipEquations::residual, EQUATION_NAMES);
 
 /// A root of the equations of the elastic model.
 #[derive(Debug)]
@@ -156,8 +160,8 @@ impl GrossSlip {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root is found.
-    pub(crate) fn start(contacts: &ElasticContacts) -> Result<Self, NoAnswer> {
+    /// Returns [`SolveFailure`] if no root is found.
+    pub(crate) fn start(contacts: &ElasticContacts) -> Result<Self, SolveFailure> {
         let (y, steps) = root(contacts, true)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual: f64::NAN })
@@ -167,8 +171,11 @@ impl GrossSlip {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root exists or if the search fails.
-    pub(crate) fn of(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<Self, NoAnswer> {
+    /// Returns [`SolveFailure`] if no root exists or if the search fails.
+    pub(crate) fn of(
+        contacts: &ElasticContacts,
+        newton: &mut Workspace,
+    ) -> Result<Self, SolveFailure> {
         let (y, steps, residual) = find(contacts, newton)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual })
@@ -176,32 +183,32 @@ impl GrossSlip {
 }
 
 /// Unknowns at a root, total number of Newton steps, and residual.
-type ElasticRoot = ([f64; BALL], usize, f64);
+type ElasticRoot = ([f64; BALL_UNKNOWNS], usize, f64);
 
 /// Returns the first root on the equilibrium curve, expressed in the unknowns (S1).
 ///
 /// # Errors
 ///
-/// Returns [`NoAnswer`] if no root exists or if the search fails.
-fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, NoAnswer> {
+/// Returns [`SolveFailure`] if no root exists or if the search fails.
+fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, SolveFailure> {
     let (mut y, steps) = root(contacts, false)?;
     let report = run(contacts, &mut y, newton);
     if report.converged() {
         return Ok((y, steps + report.steps.len(), report.residual));
     }
-    Err(NoAnswer::not_converged(Reason::from(report)))
+    Err(SolveFailure::not_converged(Reason::from(report)))
 }
 
 /// Returns the factor by which the inertia must be multiplied so that the ratio of inertia force to
 /// friction force at a root equals [`MIN_INERTIA`].
-fn inertia_factor(contacts: &ElasticContacts, root: &[f64; BALL]) -> f64 {
+fn inertia_factor(contacts: &ElasticContacts, root: &[f64; BALL_UNKNOWNS]) -> f64 {
     let rate = root[PRECESSION] + contacts.scaled.nut_speed;
     MIN_INERTIA / (contacts.inertia_ratio() * rate * rate / contacts.friction)
 }
 
 /// Returns the weights of the equations near `y`, which are the reciprocals of the largest term of
 /// each equation. The weights are finite even if the ball stops orbiting (P → 0).
-fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
+fn weights(contacts: &ElasticContacts, y: &[f64; BALL_UNKNOWNS]) -> [f64; BALL_UNKNOWNS] {
     let rate = (y[PRECESSION] + contacts.scaled.nut_speed).abs();
     let centrifugal = contacts.inertia_ratio() * rate * rate;
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
@@ -209,7 +216,7 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     // moment I P ω of the rolling ball.
     let gyroscopic =
         contacts.scaled.ball().inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.scaled.arc);
-    let mut weights = [weight(force); BALL];
+    let mut weights = [weight(force); BALL_UNKNOWNS];
     let across = weight(force.max(gyroscopic));
     for (row, weight) in MOMENT.into_iter().zip([across, weight(gyroscopic), across]) {
         weights[row] = weight;
@@ -218,9 +225,9 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
 }
 
 /// Runs Newton's method from the starting value `y`.
-fn run(contacts: &ElasticContacts, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
+fn run(contacts: &ElasticContacts, y: &mut [f64; BALL_UNKNOWNS], newton: &mut Workspace) -> Report {
     let weights = weights(contacts, y);
-    let scales = Scales { x: &[1.0; BALL], f: &weights };
+    let scales = Scales { x: &[1.0; BALL_UNKNOWNS], f: &weights };
     solve(&GrossSlipEquations(contacts), y, &scales, &Options::default(), newton).report
 }
 
@@ -228,11 +235,11 @@ impl Elastic {
     /// Solves for the steady motion of a ball in gross slip.
     pub fn solve(&self, work: &mut ElasticWorkspace) -> Solution {
         let solved = self
-            .at
+            .screw
             .point
             .require_friction()
-            .and_then(|()| self.at.scaled())
-            .and_then(|contacts| self.solved(&contacts, work));
+            .and_then(|()| self.screw.scaled())
+            .and_then(|contacts| self.steady_state(&contacts, work));
         Solution::new(Model::Elastic, solved)
     }
 
@@ -240,20 +247,20 @@ impl Elastic {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root exists, if the search fails, or if the power balance is
+    /// Returns [`SolveFailure`] if no root exists, if the search fails, or if the power balance is
     /// violated.
-    pub(crate) fn solved(
+    pub(crate) fn steady_state(
         &self,
         contacts: &ElasticContacts,
         work: &mut ElasticWorkspace,
-    ) -> Result<SteadyState, NoAnswer> {
+    ) -> Result<SteadyState, SolveFailure> {
         let GrossSlip { state, steps, residual } = GrossSlip::of(contacts, &mut work.0)?;
-        let ball = self.at.ball_state(contacts, &state.loaded, &state.to_nut, true)?;
+        let ball = self.screw.ball_state(contacts, &state.loaded, &state.to_nut, true)?;
         let slips = state.slip.map(|slip| slip.norm());
         let friction_power =
             friction_power(contacts.directed_friction(), state.loaded.loads, slips);
         let torque = torque(&state.wrench[1], contacts.helix.radius, &state.loaded.frame);
-        let transmission = self.at.transmission_at(torque, friction_power)?;
+        let transmission = self.screw.transmission_at(torque, friction_power)?;
         let info = Some(SolveInfo { steps, residual });
         Ok(SteadyState { info, ..SteadyState::new(&ball, transmission) })
     }

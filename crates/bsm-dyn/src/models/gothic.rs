@@ -17,17 +17,19 @@ use bsm_newton::{Continuation, Convergence, JacobianUpdate, Options, Outcome, fo
 
 use self::balance::{ArchState, Balance, FrozenRules, Pressed, UNKNOWNS};
 pub use self::grooves::{ArchFit, AxialCondition, FLANKS, FlankApproach, Grooves};
-use self::grooves::{PLACE, site};
+use self::grooves::{POSITIONS, site};
 pub use self::pair::{GothicPair, RunningPair};
-use super::traction::{COARSE, COARSE_RESIDUAL, SEARCH, Traction, TractionWorkspace};
+use super::traction::{
+    COARSE_ACCURACY, COARSE_RESIDUAL, SEARCH_ACCURACY, Traction, TractionWorkspace,
+};
 use crate::contact::{
     Coulomb, Load, POWER_BALANCE_TOL, Power, axial_force, efficiency, ideal_torque, max_pressure,
     torque,
 };
 use crate::ellipse::{Quadrature, Rules, pressed_radius};
 use crate::models::ball::{
-    BallState, ContactState, ElasticPoint, FarFlank, HertzContact, Model, NoAnswer, Performance,
-    Reason, Slip, Solution, SolveInfo, SteadyState, ThirdContact, Transmission, Workspace,
+    BallState, ContactState, ElasticPoint, FarFlank, HertzContact, Model, Performance, Reason,
+    Slip, Solution, SolveFailure, SolveInfo, SteadyState, ThirdContact, Transmission, Workspace,
     moving_root,
 };
 
@@ -36,7 +38,7 @@ use crate::models::ball::{
 pub struct GothicBall<D = f64> {
     /// Screw, ball, friction and speeds. The load of this operating point is ignored by
     /// [`solve`](GothicBall::solve), which takes an [`AxialCondition`] instead.
-    pub at: ElasticPoint<D>,
+    pub screw: ElasticPoint<D>,
     /// Axial play, radial gap and oversize of the ball in the gothic arches.
     pub fit: ArchFit<D>,
     /// Friction coefficient at the far flanks (− flanks), positive.
@@ -52,7 +54,7 @@ pub struct GothicBall<D = f64> {
 pub struct GothicWorkspace {
     traction: TractionWorkspace,
     newton: Workspace<UNKNOWNS>,
-    rest: Workspace<PLACE>,
+    rest: Workspace<POSITIONS>,
     rules: Rules,
 }
 
@@ -103,7 +105,7 @@ pub struct GothicState {
 /// `$|W|$`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Root {
-    place: [f64; PLACE],
+    positions: [f64; POSITIONS],
     motion: [f64; 4],
 }
 
@@ -111,14 +113,14 @@ impl Root {
     /// Returns the root for the screw turned end for end, so that the opposite flanks carry the
     /// load and the speeds are reversed.
     fn turned(&self) -> Self {
-        let ([x_b, x_n, w_b], [rate, along, radial, around]) = (self.place, self.motion);
-        Self { place: [-x_b, x_n, -w_b], motion: [-rate, -along, radial, -around] }
+        let ([x_b, x_n, w_b], [rate, along, radial, around]) = (self.positions, self.motion);
+        Self { positions: [-x_b, x_n, -w_b], motion: [-rate, -along, radial, -around] }
     }
 
     /// Returns the gap between the ball and the nearer far flank \[m\]. The gap is negative if ball
     /// and flank overlap.
     fn far_gap(&self, grooves: &Grooves) -> f64 {
-        let [nut, screw] = [1, 3].map(|far| grooves.flank(far, &self.place).approach);
+        let [nut, screw] = [1, 3].map(|far| grooves.flank(far, &self.positions).approach);
         -nut.max(screw)
     }
 
@@ -126,8 +128,8 @@ impl Root {
     /// \[m\].
     fn unknowns(&self, length: f64) -> [f64; UNKNOWNS] {
         from_fn(|i| match i {
-            0..PLACE => self.place[i] / length,
-            _ => self.motion[i - PLACE],
+            0..POSITIONS => self.positions[i] / length,
+            _ => self.motion[i - POSITIONS],
         })
     }
 }
@@ -148,11 +150,11 @@ const CHORD_RESIDUAL: f64 = 1e-3;
 
 /// Maximum number of Newton steps from one starting value, after which the next starting value is
 /// tried. Nine out of ten balls need at most 11 steps in total.
-const MAX_STEPS: usize = 25;
+const MAX_NEWTON_STEPS: usize = 25;
 
 /// Maximum scaled residual before the final Newton step. The residual after this step is not
 /// evaluated.
-const ROOT: f64 = 1e-10;
+const ROOT_RESIDUAL: f64 = 1e-10;
 
 /// Minimum ratio of the friction moment of the far flanks to the spin moment of the loaded flanks,
 /// both calculated without numerical factors. Above this ratio, the search starts with the
@@ -168,13 +170,13 @@ impl<D: Scalar> GothicBall<D> {
     /// Returns the operating point of a ball with two contacts, with the contact angle at first
     /// contact.
     fn two_contact_point(&self) -> ElasticPoint<D> {
-        self.at.fitted(self.fit.radial_gap, self.fit.oversize)
+        self.screw.fitted(self.fit.radial_gap, self.fit.oversize)
     }
 
     /// Returns the radii of the deformed contact surfaces at the nut and the screw \[m\].
     fn pressed_radii(&self) -> [D; 2] {
-        let (nut, screw) = self.at.conformity;
-        [nut, screw].map(|conformity| pressed_radius(conformity, self.at.point.ball.radius))
+        let (nut, screw) = self.screw.conformity;
+        [nut, screw].map(|conformity| pressed_radius(conformity, self.screw.point.ball.radius))
     }
 }
 
@@ -187,16 +189,17 @@ impl GothicBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the grooves cannot carry the axial force, if the screw and the nut
-    /// have no relative speed, if a friction coefficient is not positive, or if no root is found.
+    /// Returns [`SolveFailure`] if the grooves cannot carry the axial force, if the screw and the
+    /// nut have no relative speed, if a friction coefficient is not positive, or if no root is
+    /// found.
     pub fn solve(
         &self,
         condition: AxialCondition,
         near: Option<&GothicState>,
         work: &mut GothicWorkspace,
-    ) -> Result<GothicState, NoAnswer> {
+    ) -> Result<GothicState, SolveFailure> {
         self.check()?;
-        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let grooves = Grooves::of(&self.screw, &self.fit)?;
         let at_rest = grooves.at_rest(condition, &mut work.rest)?;
         let force = match condition {
             AxialCondition::Force(axial) => axial,
@@ -222,7 +225,7 @@ impl GothicBall {
     /// far flank (AC7). The result is zero if friction does not press the ball against a far flank
     /// even without play, and `None` if two contacts cannot carry the axial force \[N\].
     pub fn threshold_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
-        let grooves = Grooves::of(&self.at, &self.fit).ok()?;
+        let grooves = Grooves::of(&self.screw, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
         threshold_play(&grooves, &two_contacts)
     }
@@ -230,12 +233,12 @@ impl GothicBall {
     /// Returns the axial play \[m\] at which the gap at the far flank with friction equals the gap
     /// without play and without friction (AC10). Returns `None` if two contacts cannot carry the
     /// axial force \[N\].
-    pub fn play_against_push(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
-        let grooves = Grooves::of(&self.at, &self.fit).ok()?;
+    pub fn compensating_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
+        let grooves = Grooves::of(&self.screw, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
         let at = self.two_contact_point();
         let lead = at.point.helix.lead_angle;
-        let (_, at_rest) = at.pressed_ball().ok()?.under(axial, lead).ok()?;
+        let (_, at_rest) = at.pressed_ball().ok()?.under_axial_load(axial, lead).ok()?;
         let approaches = grooves.approaches(at_rest.load);
         // s = s*(f) − s*(0)                                               (AC10)
         let play = threshold_play(&grooves, &two_contacts)?
@@ -247,19 +250,19 @@ impl GothicBall {
     /// contacts; it is negative if flank and ball overlap. Returns `None` if the state contains no
     /// motion or no contact ellipses.
     pub fn far_gap_on_two_contacts(&self, two_contacts: &BallState) -> Option<f64> {
-        let grooves = Grooves::of(&self.at, &self.fit).ok()?;
+        let grooves = Grooves::of(&self.screw, &self.fit).ok()?;
         Some(self.root_of(&grooves, two_contacts)?.far_gap(&grooves))
     }
 
     /// Checks that the friction coefficients are positive and that the nut and the screw have a
     /// relative speed.
-    fn check(&self) -> Result<(), NoAnswer> {
-        self.at.point.require_friction()?;
+    fn check(&self) -> Result<(), SolveFailure> {
+        self.screw.point.require_friction()?;
         if self.far_friction.0.is_nan() || self.far_friction.0 <= 0.0 {
-            return Err(NoAnswer::invalid(Reason::Frictionless));
+            return Err(SolveFailure::invalid(Reason::Frictionless));
         }
-        if self.at.point.drive.relative_speed() == 0.0 {
-            return Err(NoAnswer::invalid(Reason::NoRelativeSpeed));
+        if self.screw.point.drive.relative_speed() == 0.0 {
+            return Err(SolveFailure::invalid(Reason::NoRelativeSpeed));
         }
         Ok(())
     }
@@ -270,27 +273,27 @@ impl GothicBall {
         &self,
         grooves: &Grooves,
         condition: AxialCondition,
-        at_rest: &[f64; PLACE],
+        at_rest: &[f64; POSITIONS],
         work: &mut GothicWorkspace,
         start: impl Fn(Start, &mut TractionWorkspace) -> Option<Root>,
-    ) -> Result<GothicState, NoAnswer> {
+    ) -> Result<GothicState, SolveFailure> {
         let GothicWorkspace { traction, newton, rest, rules } = work;
         let [[coarse, _], [smooth, _], [quadrature, _]] =
-            rules.dry([COARSE, SEARCH, self.accuracy]);
+            rules.dry([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]);
         let balance = self.balance(grooves, condition, at_rest, quadrature);
         let coarse = Balance { quadrature: coarse, coarse: true, ..balance };
         let smooth = Balance { quadrature: smooth, ..balance };
         let mut search = Search { balance, coarse, smooth, newton, steps: 0 };
         let near = start(Start::Near, traction).and_then(|near| {
-            let place = search.settled_place(&near, [true; FLANKS], rest)?;
-            search.from(&Root { place, ..near })
+            let positions = search.equilibrium_position(&near, [true; FLANKS], rest)?;
+            search.from(&Root { positions, ..near })
         });
         let found = near.or_else(|| {
             let two_contacts = start(Start::TwoContacts, traction)?;
-            let diagonal = usize::from(grooves.axial_force(at_rest) < 0.0);
-            let settled = search.settled(&two_contacts, diagonal, rest);
-            let settled = settled.into_iter().flatten().find_map(|start| search.from(&start));
-            settled.or_else(|| search.from(&two_contacts))
+            let flank_pair = usize::from(grooves.axial_force(at_rest) < 0.0);
+            let starts = search.equilibrium_starts(&two_contacts, flank_pair, rest);
+            let found = starts.into_iter().flatten().find_map(|start| search.from(&start));
+            found.or_else(|| search.from(&two_contacts))
         });
         let Found { unknowns, residual, rules } = match found {
             Some(found) => found,
@@ -298,7 +301,7 @@ impl GothicBall {
         };
         let info = SolveInfo { steps: search.steps, residual };
         let balance = Balance { frozen_rules: Some(&rules), ..search.balance };
-        self.answer(&balance, &unknowns, info)
+        self.gothic_state(&balance, &unknowns, info)
     }
 
     /// Returns the axial displacement \[m\] of the nut from its middle position at which the +
@@ -306,9 +309,9 @@ impl GothicBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the ball does not fit into the grooves.
-    pub fn first_touch(&self) -> Result<f64, NoAnswer> {
-        let grooves = Grooves::of(&self.at, &self.fit)?;
+    /// Returns [`SolveFailure`] if the ball does not fit into the grooves.
+    pub fn first_touch(&self) -> Result<f64, SolveFailure> {
+        let grooves = Grooves::of(&self.screw, &self.fit)?;
         Ok(grooves.first_touch() / grooves.lead.1)
     }
 
@@ -317,16 +320,16 @@ impl GothicBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no flank carries a load.
+    /// Returns [`SolveFailure`] if no flank carries a load.
     pub fn force_at_rest(
         &self,
         deflection: f64,
         work: &mut GothicWorkspace,
-    ) -> Result<f64, NoAnswer> {
-        let grooves = Grooves::of(&self.at, &self.fit)?;
+    ) -> Result<f64, SolveFailure> {
+        let grooves = Grooves::of(&self.screw, &self.fit)?;
         let u = grooves.first_touch() / grooves.lead.1 + deflection;
-        let place = grooves.at_rest(AxialCondition::Displacement(u), &mut work.rest)?;
-        Ok(grooves.axial_force(&place))
+        let positions = grooves.at_rest(AxialCondition::Displacement(u), &mut work.rest)?;
+        Ok(grooves.axial_force(&positions))
     }
 
     /// Returns the axial displacement \[m\] of the nut beyond first contact that results from an
@@ -334,15 +337,15 @@ impl GothicBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the grooves cannot carry the force.
+    /// Returns [`SolveFailure`] if the grooves cannot carry the force.
     pub fn deflection_at_rest(
         &self,
         axial: f64,
         work: &mut GothicWorkspace,
-    ) -> Result<f64, NoAnswer> {
-        let grooves = Grooves::of(&self.at, &self.fit)?;
-        let place = grooves.at_rest(AxialCondition::Force(axial), &mut work.rest)?;
-        Ok((place[2] - grooves.first_touch()) / grooves.lead.1)
+    ) -> Result<f64, SolveFailure> {
+        let grooves = Grooves::of(&self.screw, &self.fit)?;
+        let positions = grooves.at_rest(AxialCondition::Force(axial), &mut work.rest)?;
+        Ok((positions[2] - grooves.first_touch()) / grooves.lead.1)
     }
 
     /// Returns the ball with reversed speeds. The returned ball represents the ball in the other
@@ -350,7 +353,7 @@ impl GothicBall {
     #[must_use]
     pub fn back_driven(&self) -> Self {
         let mut ball = *self;
-        let drive = &mut ball.at.point.drive;
+        let drive = &mut ball.screw.point.drive;
         (drive.screw_speed, drive.nut_speed) = (-drive.screw_speed, -drive.nut_speed);
         ball
     }
@@ -361,11 +364,11 @@ impl GothicBall {
         if axial <= 0.0 {
             return None;
         }
-        let mut at = self.two_contact_point();
-        let balls = at.point.load.balls;
-        at.point.load = Load { axial: axial * balls, balls };
-        let traction = Traction { at, accuracy: self.accuracy, creep: self.creep };
-        traction.solve(work).solved().copied()
+        let mut screw = self.two_contact_point();
+        let balls = screw.point.load.balls;
+        screw.point.load = Load { axial: axial * balls, balls };
+        let traction = Traction { screw, accuracy: self.accuracy, creep: self.creep };
+        traction.solve(work).steady_state().copied()
     }
 
     /// Returns the position and the motion of the ball for a steady state with two contacts.
@@ -373,32 +376,32 @@ impl GothicBall {
         let [nut, screw] = [&found.nut, &found.screw];
         let [at_nut, at_screw] = [nut.pressed?.approach, screw.pressed?.approach];
         let Motion { precession, omega } =
-            found.motion?.relative_to(self.at.point.drive.nut_speed, &self.frame());
-        let speed = self.at.point.drive.relative_speed().abs();
+            found.motion?.relative_to(self.screw.point.drive.nut_speed, &self.frame());
+        let speed = self.screw.point.drive.relative_speed().abs();
         Some(Root {
-            place: grooves.between([at_nut, at_screw], [nut.angle, screw.angle]),
+            positions: grooves.position_for([at_nut, at_screw], [nut.angle, screw.angle]),
             motion: [precession, omega.x, omega.y, omega.z].map(|of| of / speed),
         })
     }
 
     fn frame(&self) -> BallFrame<f64> {
-        BallFrame::turned(self.at.point.helix.lead_angle, 0.0)
+        BallFrame::turned(self.screw.point.helix.lead_angle, 0.0)
     }
 
     fn balance<'a>(
         &'a self,
         grooves: &'a Grooves,
         condition: AxialCondition,
-        at_rest: &[f64; PLACE],
+        at_rest: &[f64; POSITIONS],
         quadrature: &'a Quadrature,
     ) -> Balance<'a> {
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let speed = point.drive.relative_speed();
         // The precession rate of the ball is about half the speed of the screw.
         let centrifugal = point.ball.mass * point.helix.radius * (0.5 * speed).powi(2);
-        let (load, approach) = grooves.largest(at_rest);
+        let (load, approach) = grooves.largest_load(at_rest);
         Balance {
-            at: &self.at,
+            screw: &self.screw,
             grooves,
             condition,
             friction: [point.friction.0, self.far_friction.0],
@@ -412,16 +415,16 @@ impl GothicBall {
     }
 
     /// Converts a root into a steady state in SI units after checking its power balance.
-    fn answer(
+    fn gothic_state(
         &self,
         balance: &Balance<'_>,
         unknowns: &[f64; UNKNOWNS],
         info: SolveInfo,
-    ) -> Result<GothicState, NoAnswer> {
-        let point = &self.at.point;
+    ) -> Result<GothicState, SolveFailure> {
+        let point = &self.screw.point;
         let frame = self.frame();
         let state = balance.evaluated(unknowns);
-        let ArchState { place, approaches, pressed, .. } = &state;
+        let ArchState { positions, approaches, pressed, .. } = &state;
         let carried = axial_force(&state.wrench(0..2).force, &frame);
         let speed = point.drive.relative_speed();
         let (rate, omega) = state.to_nut;
@@ -434,7 +437,7 @@ impl GothicBall {
         let friction: f64 = pressed.iter().flatten().map(|pressed| pressed.power).sum();
         let imbalance = power.imbalance(friction);
         if imbalance.is_nan() || imbalance.abs() > POWER_BALANCE_TOL {
-            return Err(NoAnswer::not_converged(Reason::PowerDoesNotBalance { imbalance }));
+            return Err(SolveFailure::not_converged(Reason::PowerDoesNotBalance { imbalance }));
         }
         let contacts =
             from_fn(|i| pressed[i].as_ref().map(|pressed| self.contact(i, pressed, &to_nut)));
@@ -447,20 +450,20 @@ impl GothicBall {
             to_nut,
             relative_speed: speed,
             axial_force: carried,
-            axial_displacement: place[2] / cos_lead,
+            axial_displacement: positions[2] / cos_lead,
             first_touch: balance.grooves.first_touch() / cos_lead,
             screw_torque,
             efficiency: carries.then(|| efficiency(speed < 0.0, ideal, screw_torque)),
             power,
             power_balance: imbalance,
             info,
-            root: Root { place: *place, motion: from_fn(|i| unknowns[PLACE + i]) },
+            root: Root { positions: *positions, motion: from_fn(|i| unknowns[POSITIONS + i]) },
         })
     }
 
     /// Returns the state of one contact for a given motion of the ball relative to the nut.
     fn contact(&self, i: usize, pressed: &Pressed<f64>, to_nut: &Motion<f64>) -> FlankContact {
-        let (point, frame) = (&self.at.point, self.frame());
+        let (point, frame) = (&self.screw.point, self.frame());
         let motion = match site(i) {
             Site::Screw => to_nut.relative_to(point.drive.relative_speed(), &frame),
             Site::Nut | Site::NutUnloaded => *to_nut,
@@ -536,11 +539,14 @@ impl GothicBall {
 
     /// Returns the steady state of all balls. If a far flank carries a load, also returns the root
     /// of the force and moment balance.
-    fn steady(&self, work: &mut GothicWorkspace) -> Result<(SteadyState, Option<Root>), NoAnswer> {
+    fn steady(
+        &self,
+        work: &mut GothicWorkspace,
+    ) -> Result<(SteadyState, Option<Root>), SolveFailure> {
         self.check()?;
-        let load = self.at.point.load;
+        let load = self.screw.point.load;
         let condition = AxialCondition::Force(load.per_ball());
-        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let grooves = Grooves::of(&self.screw, &self.fit)?;
         let is_oversize = self.fit.oversize > 0.0;
         let two = (!is_oversize).then(|| self.two_contacts(load.per_ball(), &mut work.traction));
         let two = two.flatten();
@@ -564,7 +570,7 @@ impl GothicBall {
             return Ok((SteadyState { far_flank: Some(far_flank), ..two }, None));
         }
         let [Some(nut), _, Some(screw), _] = state.contacts else {
-            return Err(NoAnswer::LOST);
+            return Err(SolveFailure::SEARCH_FAILED);
         };
         let ball = BallState {
             motion: Some(state.motion),
@@ -574,11 +580,11 @@ impl GothicBall {
             axial_displacement: Some(state.axial_displacement - state.first_touch),
             threshold_play: two.and_then(|two| threshold_play(&grooves, &two)),
         };
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let speed = point.drive.relative_speed();
         let torque = state.screw_torque * load.balls;
         let transmission = Transmission::of(speed < 0.0, point.ideal_torque(), torque, speed)
-            .against(state.friction_power() * load.balls)
+            .with_power_balance(state.friction_power() * load.balls)
             .balanced()?;
         let power = |flanks: [usize; 2]| -> f64 {
             flanks.iter().filter_map(|i| state.contacts[*i]).map(|contact| contact.power).sum()
@@ -607,13 +613,13 @@ impl<const M: usize> GothicBall<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         work: &mut GothicWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let ball = self.values();
         if let (_, Some(root)) = ball.steady(work)? {
             return self.third_contact_slopes(&ball, &root, work);
         }
-        let (at, Self { accuracy, creep, .. }) = (self.two_contact_point(), *self);
-        Traction { at, accuracy, creep }.sensitivities(&mut work.traction)
+        let (screw, Self { accuracy, creep, .. }) = (self.two_contact_point(), *self);
+        Traction { screw, accuracy, creep }.sensitivities(&mut work.traction)
     }
 
     /// Returns the efficiency and the torque with their derivatives with respect to the inputs, for
@@ -623,20 +629,20 @@ impl<const M: usize> GothicBall<Jet<M>> {
         ball: &GothicBall,
         root: &Root,
         work: &mut GothicWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
-        let load = self.at.point.load;
-        let grooves = Grooves::of(&ball.at, &ball.fit)?;
-        let condition = AxialCondition::Force(ball.at.point.load.per_ball());
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
+        let load = self.screw.point.load;
+        let grooves = Grooves::of(&ball.screw, &ball.fit)?;
+        let condition = AxialCondition::Force(ball.screw.point.load.per_ball());
         let at_rest = grooves.at_rest(condition, &mut work.rest)?;
         let GothicWorkspace { newton, rules, .. } = work;
         let [[quadrature, _]] = rules.dry([self.accuracy]);
         let balance = ball.balance(&grooves, condition, &at_rest, quadrature);
-        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let grooves = Grooves::of(&self.screw, &self.fit)?;
         let inputs = Balance {
-            at: &self.at,
+            screw: &self.screw,
             grooves: &grooves,
             condition: AxialCondition::Force(load.per_ball()),
-            friction: [self.at.point.friction.0, self.far_friction.0],
+            friction: [self.screw.point.friction.0, self.far_friction.0],
             pressed_radius: self.pressed_radii(),
             units: balance.units,
             creep: balance.creep,
@@ -647,7 +653,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
         let unknowns = root.unknowns(balance.units.1);
         let residual = |y: &_| inputs.residual(y);
         let y = moving_root(&balance, &unknowns, &[1.0; UNKNOWNS], residual, newton)?;
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let wrench = inputs.evaluated(&y).wrench(2..FLANKS);
         let frame = BallFrame::turned(point.helix.lead_angle, Jet::from(0.0));
         // T = Σ_screw [(−r_m n) × F + M]·k                                (B7)
@@ -660,7 +666,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
     /// Returns the inputs without derivatives.
     fn values(&self) -> GothicBall {
         GothicBall {
-            at: self.at.values(),
+            screw: self.screw.values(),
             fit: self.fit.values(),
             far_friction: Coulomb(self.far_friction.0.re()),
             accuracy: self.accuracy,
@@ -721,50 +727,53 @@ impl Search<'_> {
     /// two contacts; the other has the motion of a ball whose third contact stops its spin. The
     /// more likely starting value comes first.
     ///
-    /// * `diagonal`: pair of loaded flanks, 0 for the + flanks and 1 for the − flanks.
-    fn settled(
+    /// * `flank_pair`: pair of loaded flanks, 0 for the + flanks and 1 for the − flanks.
+    fn equilibrium_starts(
         &self,
         start: &Root,
-        diagonal: usize,
-        newton: &mut Workspace<PLACE>,
+        flank_pair: usize,
+        newton: &mut Workspace<POSITIONS>,
     ) -> Option<[Root; 2]> {
         let grooves = self.balance.grooves;
-        let place = self.settled_place(start, from_fn(|i| i % 2 == diagonal), newton)?;
-        let settled = Root { place, ..*start };
-        let rolling =
-            Root { motion: self.balance.without_spin(&place, diagonal, start.motion), place };
+        let positions =
+            self.equilibrium_position(start, from_fn(|i| i % 2 == flank_pair), newton)?;
+        let unchanged = Root { positions, ..*start };
+        let rolling = Root {
+            motion: self.balance.without_spin(&positions, flank_pair, start.motion),
+            positions,
+        };
         // Two friction moments act about n: the moment of the far flanks, and the spin moment of
         // the loaded flanks.
         let flank = |i: usize| {
-            let approach = grooves.flank(i, &place).approach;
+            let approach = grooves.flank(i, &positions).approach;
             (grooves.load(i, approach), grooves.semi_axes(i, approach.max(0.0)).0)
         };
-        let [loaded, far] = [diagonal, 1 - diagonal].map(|i| [flank(i), flank(2 + i)]);
+        let [loaded, far] = [flank_pair, 1 - flank_pair].map(|i| [flank(i), flank(2 + i)]);
         let far: f64 = far.iter().map(|(load, _)| load).sum();
         let spin: f64 = loaded.iter().map(|(load, semi_axis)| load * semi_axis).sum();
-        let stops = far * self.balance.at.point.ball.radius > SPIN_STOP_RATIO * spin;
-        Some(if stops { [rolling, settled] } else { [settled, rolling] })
+        let stops = far * self.balance.screw.point.ball.radius > SPIN_STOP_RATIO * spin;
+        Some(if stops { [rolling, unchanged] } else { [unchanged, rolling] })
     }
 
     /// Returns the position of the ball at which the normal loads balance the friction of the
     /// selected flanks for a given starting value, or `None` if no such position is found.
-    fn settled_place(
+    fn equilibrium_position(
         &self,
         start: &Root,
         flanks: [bool; FLANKS],
-        newton: &mut Workspace<PLACE>,
-    ) -> Option<[f64; PLACE]> {
+        newton: &mut Workspace<POSITIONS>,
+    ) -> Option<[f64; POSITIONS]> {
         let Balance { grooves, condition, units, .. } = self.balance;
         let forces = self.coarse.friction(&start.unknowns(units.1), flanks);
-        grooves.settled(condition, &forces, (&start.place, units), newton).ok()
+        grooves.equilibrium_position(condition, &forces, (&start.positions, units), newton).ok()
     }
 
     /// Returns the root near `y`. The node counts of the quadrature stay fixed at their values for
     /// `y`.
-    fn refined(&mut self, y: [f64; UNKNOWNS]) -> Result<Found, NoAnswer> {
+    fn refined(&mut self, y: [f64; UNKNOWNS]) -> Result<Found, SolveFailure> {
         let rules = FrozenRules::default();
         let balance = Balance { frozen_rules: Some(&rules), ..self.balance };
-        let (unknowns, residual) = self.solved(&balance, y, ROOT)?;
+        let (unknowns, residual) = self.solved(&balance, y, ROOT_RESIDUAL)?;
         Ok(Found { unknowns, residual, rules })
     }
 
@@ -775,15 +784,15 @@ impl Search<'_> {
         balance: &Balance<'_>,
         mut y: [f64; UNKNOWNS],
         residual_tol: f64,
-    ) -> Result<([f64; UNKNOWNS], f64), NoAnswer> {
+    ) -> Result<([f64; UNKNOWNS], f64), SolveFailure> {
         let jacobian = JacobianUpdate::EveryTrial { chord_below: CHORD_RESIDUAL };
         let convergence =
-            Convergence { residual_tol, residual_goal: residual_tol, max_steps: MAX_STEPS };
+            Convergence { residual_tol, residual_goal: residual_tol, max_steps: MAX_NEWTON_STEPS };
         let options = Options { convergence, jacobian, ..Options::default() };
         let Outcome { report, last, .. } = balance.run(&mut y, &options, self.newton);
         self.steps += report.steps.len();
         if !report.converged() {
-            return Err(NoAnswer::not_converged(Reason::from(report)));
+            return Err(SolveFailure::not_converged(Reason::from(report)));
         }
         // The residual after the final step is not evaluated.
         let step = last.and_then(|(residual, ())| self.newton.correction(&residual).ok());
@@ -795,7 +804,7 @@ impl Search<'_> {
 
     /// Finds the root by a continuation that starts from the ball at rest and lowers the creep
     /// speed.
-    fn by_lowering_creep(&mut self, at_rest: &[f64; PLACE]) -> Result<Found, NoAnswer> {
+    fn by_lowering_creep(&mut self, at_rest: &[f64; POSITIONS]) -> Result<Found, SolveFailure> {
         let Self { balance, smooth, .. } = *self;
         // The first continuation may fail because the integrals with the coarser quadrature rule
         // can jump. In this case, a second continuation uses the requested quadrature rule.
@@ -807,26 +816,26 @@ impl Search<'_> {
     fn followed(
         &mut self,
         balance: &Balance<'_>,
-        at_rest: &[f64; PLACE],
-    ) -> Result<Found, NoAnswer> {
-        let sign = balance.at.point.drive.relative_speed().signum();
+        at_rest: &[f64; POSITIONS],
+    ) -> Result<Found, SolveFailure> {
+        let sign = balance.screw.point.drive.relative_speed().signum();
         // At the start, the ball precesses at half the speed of the screw and rolls about b,
         // because the raceways of the nut and the screw are on opposite sides of the ball.
         let motion = [0.5 * sign, 0.0, 0.0, -0.5 * sign * balance.turning()];
         let mut y = from_fn(|i| match i {
-            0..PLACE => at_rest[i] / balance.units.1,
-            _ => motion[i - PLACE],
+            0..POSITIONS => at_rest[i] / balance.units.1,
+            _ => motion[i - POSITIONS],
         });
-        let control = Continuation { first: 0.9, shortest: 0.02 };
-        let (end, mut failure) = (balance.creep, NoAnswer::not_converged(Reason::SearchLost));
+        let control = Continuation { first_step: 0.9, min_step: 0.02 };
+        let (end, mut failure) = (balance.creep, SolveFailure::SEARCH_FAILED);
         follow(&mut y, (FIRST_CREEP.max(end).ln(), end.ln()), control, |log, y| {
             match self.solved(&Balance { creep: log.exp(), ..*balance }, *y, PATH_RESIDUAL) {
                 Ok((found, _)) => {
                     *y = found;
                     true
                 }
-                Err(why) => {
-                    failure = why;
+                Err(error) => {
+                    failure = error;
                     false
                 }
             }

@@ -2,12 +2,12 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y32).
 
-mod band;
 mod sensitivities;
 mod solve;
+mod uncertainty;
 
-pub use self::band::LossInterval;
 pub use self::solve::{LubricatedBall, LubricatedModel, RacewayFriction};
+pub use self::uncertainty::LossInterval;
 
 #[cfg(test)]
 mod tests;

@@ -7,7 +7,7 @@ use bsm_newton::EvalError;
 
 use crate::contact::Coulomb;
 use crate::models::ball::{
-    FarFlank, NoAnswer, Performance, Reason, Solution, SteadyState, ThirdContact, Transmission,
+    FarFlank, Performance, Reason, Solution, SolveFailure, SteadyState, ThirdContact, Transmission,
 };
 use crate::models::gothic::{ArchFit, GothicBall};
 use crate::models::lubricated::{LubricatedBall, LubricatedModel};
@@ -37,8 +37,8 @@ impl LubricatedArch {
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         let solution = self.ball.solve(work);
         let LubricatedModel::Traction(case) = self.ball.model else { return solution };
-        let answer = solution.answer.and_then(|two| self.with_third_contact(&case, &two, work));
-        Solution { answer, ..solution }
+        let result = solution.result.and_then(|two| self.with_third_contact(&case, &two, work));
+        Solution { result, ..solution }
     }
 
     fn with_third_contact(
@@ -46,36 +46,38 @@ impl LubricatedArch {
         case: &Traction,
         two: &SteadyState,
         work: &mut ModelWorkspace,
-    ) -> Result<SteadyState, NoAnswer> {
+    ) -> Result<SteadyState, SolveFailure> {
         let Some(film) = two.film else { return Ok(*two) };
         let mean = film.mean_friction();
         let mut dry = GothicBall {
-            at: case.at,
+            screw: case.screw,
             fit: self.fit,
             far_friction: Coulomb(self.far_friction.unwrap_or(mean)),
             accuracy: case.accuracy,
             creep: case.creep,
         };
-        dry.at.point.friction = Coulomb(mean);
-        let found = dry.solution(&mut work.gothic).answer?;
+        dry.screw.point.friction = Coulomb(mean);
+        let found = dry.solution(&mut work.gothic).result?;
         let Some(FarFlank { gap, contact: Some(contact), two_contact_power }) = found.far_flank
         else {
             return Ok(SteadyState { far_flank: found.far_flank, ..*two });
         };
         let powers = found.transmission.power.zip(two_contact_power);
-        let Some((dry_power, dry_two)) = powers else { return Err(NoAnswer::LOST) };
+        let Some((dry_power, dry_two)) = powers else { return Err(SolveFailure::SEARCH_FAILED) };
         // ΔP = P(f̄) − P₂(f̄)                                               (AC12)
         let surplus = dry_power.dissipated - dry_two;
-        let point = &case.at.point;
+        let point = &case.screw.point;
         let speed = point.drive.relative_speed();
-        let (torque, lost) = (two.transmission.screw_torque, two.transmission.power);
-        let Some((torque, lost)) = torque.zip(lost) else { return Err(NoAnswer::LOST) };
+        let (torque, power) = (two.transmission.screw_torque, two.transmission.power);
+        let Some((torque, power)) = torque.zip(power) else {
+            return Err(SolveFailure::SEARCH_FAILED);
+        };
         let transmission =
             Transmission::of(speed < 0.0, point.ideal_torque(), torque + surplus / speed, speed)
-                .against(lost.dissipated + surplus)
+                .with_power_balance(power.dissipated + surplus)
                 .balanced()?;
         let of_contact = contact.power_share * dry_power.dissipated;
-        let power_share = of_contact / (lost.dissipated + surplus);
+        let power_share = of_contact / (power.dissipated + surplus);
         let contact = ThirdContact { power_share, ..contact };
         let body = usize::from(contact.site == Site::Screw);
         let contact_power = two.contact_power.map(|mut power| {
@@ -91,7 +93,7 @@ impl LubricatedArch {
             far_flank: Some(FarFlank {
                 gap,
                 contact: Some(contact),
-                two_contact_power: Some(lost.dissipated),
+                two_contact_power: Some(power.dissipated),
             }),
             ..*two
         })
@@ -104,10 +106,10 @@ impl<const M: usize> LubricatedArch<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
-        let found = self.values().solve(work).answer?;
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
+        let found = self.values().solve(work).result?;
         if found.far_flank.is_some_and(|far| far.contact.is_some()) {
-            return Err(NoAnswer::invalid(Reason::Refused {
+            return Err(SolveFailure::invalid(Reason::Refused {
                 error: EvalError {
                     quantity: "axial play [m]",
                     value: self.fit.axial_play.re,

@@ -9,7 +9,7 @@ use bsm_kin::Scalar;
 use bsm_newton::{Convergence, EvalError, Options, Scales, solve};
 
 use crate::contact::{Curvatures, Hertz};
-use crate::models::ball::{ElasticPoint, NoAnswer, Reason, Workspace, domain_error, equations};
+use crate::models::ball::{ElasticPoint, Reason, SolveFailure, Workspace, domain_error, equations};
 
 /// Loads and contact angles that include permanent deformation. Arrays with two elements contain
 /// the values at the nut and the screw.
@@ -50,8 +50,8 @@ impl ElasticPoint {
         &self,
         loads: [f64; 2],
         angles: [f64; 2],
-    ) -> Result<PermanentSet, NoAnswer> {
-        let invalid = NoAnswer::invalid;
+    ) -> Result<PermanentSet, SolveFailure> {
+        let invalid = SolveFailure::invalid;
         let hertz = self.hertz().map_err(invalid)?;
         let curvatures = self.curvatures();
         let [nut_offset, screw_offset] = self.grooves().map(|g| g.offset(self.point.ball.radius));
@@ -73,12 +73,12 @@ impl ElasticPoint {
         let options = Options { convergence, ..Options::default() };
         let report = solve(&closure, &mut x, &scales, &options, &mut Workspace::default()).report;
         if !report.converged() {
-            return Err(NoAnswer::not_converged(Reason::from(report)));
+            return Err(SolveFailure::not_converged(Reason::from(report)));
         }
         let (loads, cotangents) = closure.forces(x[0]).map_err(domain_error)?;
         let [nut, screw] = cotangents.map(|c| FRAC_PI_2 - c.atan());
         if ![nut, screw].iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
-            return Err(NoAnswer::not_converged(Reason::BallLeavesFlank { nut, screw }));
+            return Err(SolveFailure::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
         let [elastic, permanent] = closure.approaches(loads);
         Ok(PermanentSet { loads, angles: [nut, screw], elastic, permanent })
@@ -86,7 +86,7 @@ impl ElasticPoint {
 }
 
 /// Number of unknowns of [`RadialClosure`].
-const CLOSURE: usize = 1;
+const CLOSURE_UNKNOWNS: usize = 1;
 
 /// Radial closure condition for the triangle that is formed by the ball center and the two arc
 /// centers. The unknown is the cotangent of the contact angle at the screw.
@@ -132,7 +132,10 @@ impl RadialClosure {
         [[elastic(0), elastic(1)], [permanent(0), permanent(1)]]
     }
 
-    fn residual<D: Scalar>(&self, &[screw]: &[D; CLOSURE]) -> Result<[D; CLOSURE], EvalError> {
+    fn residual<D: Scalar>(
+        &self,
+        &[screw]: &[D; CLOSURE_UNKNOWNS],
+    ) -> Result<[D; CLOSURE_UNKNOWNS], EvalError> {
         let (loads, cotangents) = self.forces(screw)?;
         let [elastic, permanent] = self.approaches(loads);
         let part = |i: usize| {
@@ -145,7 +148,12 @@ impl RadialClosure {
     }
 }
 
-equations!(RadialClosure, CLOSURE, RadialClosure::residual, ["radial closure of the groove arcs"]);
+equations!(
+    RadialClosure,
+    CLOSURE_UNKNOWNS,
+    RadialClosure::residual,
+    ["radial closure of the groove arcs"]
+);
 
 /// Returns the ratio of the maximum pressure to the pressure at which the softer of the two bodies
 /// first yields (M4).
@@ -187,7 +195,7 @@ mod tests {
     }
 
     fn loads_and_angles(solution: &Solution) -> ([f64; 2], [f64; 2]) {
-        let ball = solution.solved().expect("converged").ball;
+        let ball = solution.steady_state().expect("converged").ball;
         let contacts = [ball.nut, ball.screw];
         (contacts.map(|c| c.load.expect("a load")), contacts.map(|c| c.angle))
     }
@@ -197,8 +205,8 @@ mod tests {
     #[test]
     fn permanent_deformation_under_a_light_load_is_negligible() {
         let screw = screw_of_dong(44.0);
-        let raceway = RacewayControl { at: screw, control: None };
-        let traction = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let raceway = RacewayControl { screw, control: None };
+        let traction = Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         for o in [
             raceway.solve(&mut RacewayWorkspace::default()),
             traction.solve(&mut crate::model::TractionWorkspace::default()),
@@ -223,7 +231,7 @@ mod tests {
     #[test]
     fn permanent_deformation_increases_contact_angles_and_preserves_the_force_balance() {
         let screw = screw_of_dong(24e3);
-        let raceway = RacewayControl { at: screw, control: None };
+        let raceway = RacewayControl { screw, control: None };
         let (loads, angles) = loads_and_angles(&raceway.solve(&mut RacewayWorkspace::default()));
         let deformed = screw.permanent_set(loads, angles).unwrap();
         for i in 0..2 {
@@ -242,7 +250,7 @@ mod tests {
     #[test]
     fn eq_17_of_dong_with_corrected_radical_gives_the_contact_angle_difference() {
         let screw = screw_of_dong(44.0);
-        let raceway = RacewayControl { at: screw, control: None };
+        let raceway = RacewayControl { screw, control: None };
         let (loads, angles) = loads_and_angles(&raceway.solve(&mut RacewayWorkspace::default()));
         let deformed = screw.permanent_set(loads, angles).unwrap();
         let [nut, screw_offset] = screw.grooves().map(|g| g.offset(screw.point.ball.radius));

@@ -3,7 +3,7 @@
 use bsm_kin::Jet;
 
 use crate::models::auto::Auto;
-use crate::models::ball::{NoAnswer, Performance, Solution, SteadyState};
+use crate::models::ball::{Performance, Solution, SolveFailure, SteadyState};
 use crate::models::closed_form::ClosedForm;
 use crate::models::elastic::Elastic;
 use crate::models::gothic::GothicBall;
@@ -62,7 +62,10 @@ impl Problem {
     /// Returns all steady states on the branch of increasing inertia that begins at a ball without
     /// inertia, or `None` if the model does not follow branches. Only [`Rigid`] and [`Traction`]
     /// follow branches.
-    pub fn branch(&self, work: &mut ModelWorkspace) -> Option<Result<Vec<SteadyState>, NoAnswer>> {
+    pub fn branch(
+        &self,
+        work: &mut ModelWorkspace,
+    ) -> Option<Result<Vec<SteadyState>, SolveFailure>> {
         match self {
             Self::Rigid(problem) => Some(problem.branch(&mut work.rigid)),
             Self::Traction(problem) => Some(problem.branch(&mut work.traction)),
@@ -72,10 +75,14 @@ impl Problem {
 
     /// Returns the uncertainty interval of the power loss in lubricated contacts for a solved
     /// point; `None` without a lubricant.
-    pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
+    pub fn loss_interval(
+        &self,
+        solved: &SteadyState,
+        work: &mut ModelWorkspace,
+    ) -> Option<LossInterval> {
         match self {
-            Self::Lubricated(problem) => problem.band(solved, work),
-            Self::LubricatedArch(problem) => problem.ball.band(solved, work),
+            Self::Lubricated(problem) => problem.loss_interval(solved, work),
+            Self::LubricatedArch(problem) => problem.ball.loss_interval(solved, work),
             _ => None,
         }
     }
@@ -96,11 +103,11 @@ impl<const M: usize> Problem<Jet<M>> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`], which contains the status and the reason, if there is no solution.
+    /// Returns [`SolveFailure`], which contains the status and the reason, if there is no solution.
     pub fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
         // dy/dp = ∂y/∂p + ∂y/∂x dx/dp, evaluated in jets of x and p       (V3)
         match self {
             Self::ClosedForm(p) => Ok(p.transmitted()),

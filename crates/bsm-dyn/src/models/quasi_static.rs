@@ -7,9 +7,9 @@ use bsm_kin::{Real, Scalar};
 
 use crate::contact::{Angles, Coulomb, Sines};
 use crate::models::ball::{
-    BallState, Direction, Evidence, Model, NoAnswer, Performance, Reason, Solution,
+    BallState, Direction, Evidence, Model, Performance, Reason, Solution, SolveFailure,
 };
-use crate::models::closed_form::{ScrewSize, answer, performance};
+use crate::models::closed_form::{ScrewSize, performance, steady_state};
 
 /// Inputs of the quasi-static model of a ball with two contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -143,14 +143,17 @@ impl<D: Scalar> QuasiStatic<D> {
     ///
     /// Returns [`Reason::DualDrive`] if both bodies rotate, and [`Reason::FrictionHoldsLoad`] if
     /// friction holds any axial load.
-    fn load_ratio(&self, contacts: &TwoContacts<D>) -> Result<D, NoAnswer> {
+    fn load_ratio(&self, contacts: &TwoContacts<D>) -> Result<D, SolveFailure> {
         if self.driven == DrivenBody::Both {
-            return Err(NoAnswer::invalid(Reason::DualDrive));
+            return Err(SolveFailure::invalid(Reason::DualDrive));
         }
         let ratio = contacts.load_ratio();
         let load_ratio = ratio.re();
         if load_ratio <= 0.0 {
-            return Err(NoAnswer::none(Evidence::Proof, Reason::FrictionHoldsLoad { load_ratio }));
+            return Err(SolveFailure::no_solution(
+                Evidence::Proof,
+                Reason::FrictionHoldsLoad { load_ratio },
+            ));
         }
         Ok(ratio)
     }
@@ -161,7 +164,7 @@ impl<D: Scalar> QuasiStatic<D> {
     ///
     /// Returns [`Reason::DualDrive`] if both bodies rotate, and [`Reason::FrictionHoldsLoad`] if
     /// friction holds any axial load.
-    pub(crate) fn require_balance(&self) -> Result<(), NoAnswer> {
+    pub(crate) fn require_balance(&self) -> Result<(), SolveFailure> {
         self.load_ratio(&self.contacts()).map(drop)
     }
 
@@ -180,12 +183,12 @@ impl QuasiStatic {
         let contacts = self.contacts();
         let ratio = match self.load_ratio(&contacts) {
             Ok(ratio) => ratio,
-            Err(none) => return Solution::new(Model::QuasiStatic, Err(none)),
+            Err(failure) => return Solution::new(Model::QuasiStatic, Err(failure)),
         };
         let eta = contacts.efficiency(self.direction.is_back());
         let ball = BallState::at_angle(self.angles.contact);
         let lead = (self.direction, contacts.sines.tan_a());
-        let solved = answer(&ball, (eta, eta <= 0.0), ratio, self.size, lead);
+        let solved = steady_state(&ball, (eta, eta <= 0.0), ratio, self.size, lead);
         // The solution is built in place, because copying it would take as long as evaluating the
         // formulas.
         Solution::new(Model::QuasiStatic, Ok(solved))

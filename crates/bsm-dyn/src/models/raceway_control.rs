@@ -19,25 +19,26 @@ use self::balance::{Balance, StaticRoot};
 pub use self::ball::RacewayBall;
 pub use self::direct::{RollingMotion, RollingRoot};
 pub use self::rolling::rolling;
-pub(crate) use self::statics::STATIC;
+pub(crate) use self::statics::STATIC_UNKNOWNS;
 use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
     BallLoads, Control, ControllingRaceway, ElasticContacts, ElasticPoint, LoadedContact, Model,
-    NoAnswer, SkidNumbers, Solution, SolveInfo, SteadyState, Transmission, Workspace, domain_error,
+    SkidNumbers, Solution, SolveFailure, SolveInfo, SteadyState, Transmission, Workspace,
+    domain_error,
 };
 
 /// Inputs of the raceway-control model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RacewayControl<D = f64> {
     /// The screw at its operating point.
-    pub at: ElasticPoint<D>,
+    pub screw: ElasticPoint<D>,
     /// The controlling raceway; `None` selects the raceway by criterion (W7).
     pub control: Option<Control>,
 }
 
 /// Reusable buffers for solving raceway-control models.
 pub struct RacewayWorkspace {
-    newton: Workspace<STATIC>,
+    newton: Workspace<STATIC_UNKNOWNS>,
     /// Quadrature rule for results without derivatives.
     quadrature: Quadrature,
     /// Quadrature rule for derivatives.
@@ -71,7 +72,7 @@ pub(crate) struct RollingBall {
     /// The controlling raceway.
     control: Control,
     /// Unknowns of the static balance.
-    unknowns: [f64; STATIC],
+    unknowns: [f64; STATIC_UNKNOWNS],
     /// Loads, contact angles and contacts.
     pub(crate) loaded: BallLoads<f64>,
     /// Motion relative to the nut, divided by `$W$`.
@@ -93,15 +94,15 @@ impl RollingBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if there is no root on the flanks.
+    /// Returns [`SolveFailure`] if there is no root on the flanks.
     pub(crate) fn of(
         contacts: &ElasticContacts,
         control: Option<Control>,
-        newton: &mut Workspace<STATIC>,
-    ) -> Result<Self, NoAnswer> {
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
+    ) -> Result<Self, SolveFailure> {
         // First, Newton's method is started from equal contact angles.
         let direct = RollingRoot::direct(&contacts.into(), control, true);
-        if direct.found {
+        if direct.is_first_root {
             let control = if direct.by_nut { Control::Nut } else { Control::Screw };
             let ball = Self::at(&Balance::new(contacts, control), StaticRoot::from(&direct));
             return Ok(Self { is_unique: direct.unique, ..ball });
@@ -121,8 +122,8 @@ impl RollingBall {
     /// control.
     fn selected(
         contacts: &ElasticContacts,
-        newton: &mut Workspace<STATIC>,
-    ) -> Result<Self, NoAnswer> {
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
+    ) -> Result<Self, SolveFailure> {
         let nut = Self::controlled(contacts, Control::Nut, newton);
         if let Ok(nut) = &nut
             && nut.is_consistent(contacts)
@@ -133,7 +134,7 @@ impl RollingBall {
         match (nut, screw) {
             (Ok(nut), Ok(screw)) => Ok(Self { steps: nut.steps + screw.steps, ..screw }),
             (Err(_), Ok(screw)) if screw.is_consistent(contacts) => Ok(screw),
-            (Ok(_), Err(none)) | (Err(none), _) => Err(none),
+            (Ok(_), Err(failure)) | (Err(failure), _) => Err(failure),
         }
     }
 
@@ -141,8 +142,8 @@ impl RollingBall {
     fn controlled(
         contacts: &ElasticContacts,
         control: Control,
-        newton: &mut Workspace<STATIC>,
-    ) -> Result<Self, NoAnswer> {
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
+    ) -> Result<Self, SolveFailure> {
         let balance = Balance::new(contacts, control);
         Ok(Self::at(&balance, balance.first_root(newton)?))
     }
@@ -178,7 +179,7 @@ impl RollingBall {
         &self,
         contacts: &ElasticContacts,
         control: Option<Control>,
-        newton: &mut Workspace<STATIC>,
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
     ) -> Vec<Self> {
         if self.is_unique {
             return Vec::new();
@@ -188,7 +189,7 @@ impl RollingBall {
         let mut alternatives: Vec<_> =
             farther.into_iter().map(|root| Self::at(&same, root)).collect();
         let decided =
-            control.is_some() || self.control == Control::Screw || self.is_clear(contacts);
+            control.is_some() || self.control == Control::Screw || self.is_unambiguous(contacts);
         if !decided
             && let Ok(screw) = Self::controlled(contacts, Control::Screw, newton)
             && screw.is_consistent(contacts)
@@ -200,10 +201,10 @@ impl RollingBall {
 
     /// Returns true if (W7) selects the same raceway regardless of which raceway controls, and if
     /// no other roots exist.
-    fn is_clear(&self, contacts: &ElasticContacts) -> bool {
+    fn is_unambiguous(&self, contacts: &ElasticContacts) -> bool {
         let (ball, sides) = (RacewayBall::from(contacts), self.sides(contacts));
         Control::ALL.iter().all(|raceway| Balance::new(contacts, *raceway).is_unique())
-            && ball.is_control_clear(&sides, ball.nut_excess(&sides))
+            && ball.is_control_unambiguous(&sides, ball.nut_excess(&sides))
     }
 
     /// Estimates the state of the nut-controlled ball with an accuracy of two digits. An estimate
@@ -211,15 +212,15 @@ impl RollingBall {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if a contact is lost.
-    pub(crate) fn guess(contacts: &ElasticContacts) -> Result<Self, NoAnswer> {
+    /// Returns [`SolveFailure`] if a contact is lost.
+    pub(crate) fn guess(contacts: &ElasticContacts) -> Result<Self, SolveFailure> {
         let balance = Balance::new(contacts, Control::Nut);
         let angle = contacts.contact_angle.sin_cos();
         let (p, _) = rolling(true, contacts.scaled.lead, contacts.scaled.arc, [angle; 2]);
         let [nut, screw, tilt] = contacts.static_balance(p + contacts.scaled.nut_speed);
         let loaded = contacts.loaded([nut, screw], tilt).map_err(domain_error)?;
         let (control, to_nut) = (balance.control, balance.rolling(&loaded));
-        let (unknowns, residual) = ([f64::NAN; STATIC], f64::INFINITY);
+        let (unknowns, residual) = ([f64::NAN; STATIC_UNKNOWNS], f64::INFINITY);
         Ok(Self { control, unknowns, loaded, to_nut, steps: 0, residual, is_unique: false })
     }
 
@@ -260,10 +261,10 @@ impl RacewayControl {
     /// Solves for the loads and contact angles, calculates the rolling motion, and integrates the
     /// friction power over the contact ellipses.
     pub fn solve(&self, work: &mut RacewayWorkspace) -> Solution {
-        let solved = self.at.scaled().and_then(|contacts| {
+        let solved = self.screw.scaled().and_then(|contacts| {
             let rolling_ball = work.rolling_ball(&contacts, self.control)?;
-            let solved = work.solved(&self.at, &contacts, &rolling_ball)?;
-            Ok(work.with_others(&self.at, &contacts, &rolling_ball, self.control, &solved))
+            let solved = work.steady_state(&self.screw, &contacts, &rolling_ball)?;
+            Ok(work.with_alternatives(&self.screw, &contacts, &rolling_ball, self.control, &solved))
         });
         Solution::new(Model::RacewayControl, solved)
     }
@@ -292,7 +293,7 @@ impl RacewayWorkspace {
         &mut self,
         contacts: &ElasticContacts,
         control: Option<Control>,
-    ) -> Result<RollingBall, NoAnswer> {
+    ) -> Result<RollingBall, SolveFailure> {
         RollingBall::of(contacts, control, &mut self.newton)
     }
 
@@ -301,12 +302,12 @@ impl RacewayWorkspace {
     /// # Errors
     ///
     /// Returns [`crate::Reason::BallLeavesFlank`] if a contact angle is beyond its flank.
-    pub(crate) fn solved(
+    pub(crate) fn steady_state(
         &self,
         screw: &ElasticPoint,
         contacts: &ElasticContacts,
         rolling_ball: &RollingBall,
-    ) -> Result<SteadyState, NoAnswer> {
+    ) -> Result<SteadyState, SolveFailure> {
         let (loaded, nodes) = (&rolling_ball.loaded, [Placement::from(&self.quadrature); 2]);
         let [at_nut, at_screw] =
             contacts.friction_powers(loaded, &rolling_ball.to_nut, RacewayControl::CREEP, nodes);
@@ -328,7 +329,7 @@ impl RacewayWorkspace {
 
     /// Returns the steady state of a rolling ball with information about other solutions: their
     /// number, and the efficiency that differs most from the efficiency of this steady state.
-    pub(crate) fn with_others(
+    pub(crate) fn with_alternatives(
         &mut self,
         screw: &ElasticPoint,
         contacts: &ElasticContacts,
@@ -340,7 +341,7 @@ impl RacewayWorkspace {
         let alternatives = rolling_ball.alternatives(contacts, control, &mut self.newton);
         let alternatives = alternatives
             .iter()
-            .filter_map(|rolling_ball| self.solved(screw, contacts, rolling_ball).ok());
+            .filter_map(|rolling_ball| self.steady_state(screw, contacts, rolling_ball).ok());
         let control = Some(ControllingRaceway { raceway: rolling_ball.control, consistent });
         SteadyState { control, ..solved.with_alternatives(alternatives) }
     }
@@ -378,11 +379,11 @@ mod tests {
             conformity: (0.53, 0.53),
             material: (STEEL, STEEL),
         };
-        RacewayControl { at: screw, control: None }
+        RacewayControl { screw, control: None }
     }
 
     fn solved(case: &RacewayControl) -> SteadyState {
-        case.solve(&mut RacewayWorkspace::default()).answer.expect("a solution")
+        case.solve(&mut RacewayWorkspace::default()).result.expect("a solution")
     }
 
     fn slip(contact: ContactState) -> Slip {
@@ -432,7 +433,7 @@ mod tests {
         };
         let conformity = (D::from(0.52), D::from(0.53));
         RacewayControl {
-            at: ElasticPoint { point, conformity, material: (steel, steel) },
+            screw: ElasticPoint { point, conformity, material: (steel, steel) },
             control: None,
         }
     }
@@ -467,8 +468,8 @@ mod tests {
     #[test]
     fn raceway_with_the_closer_conformity_is_the_controlling_raceway() {
         let spins = |conformity| {
-            let screw = ElasticPoint { conformity, ..lin_screw(2113.0, 2000.0).at };
-            let o = solved(&RacewayControl { at: screw, control: None });
+            let screw = ElasticPoint { conformity, ..lin_screw(2113.0, 2000.0).screw };
+            let o = solved(&RacewayControl { screw, control: None });
             (slip(o.ball.nut).spin.abs(), slip(o.ball.screw).spin.abs())
         };
         // The groove with the closer conformity has the longer ellipse and the larger spin moment.
@@ -486,7 +487,7 @@ mod tests {
             lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,
             rpm in 10.0..5000.0_f64, axial in 50.0..2000.0_f64, back in any::<bool>(), nut in -0.9..0.9_f64,
         ) {
-            let base = lin_screw(axial, if back { -rpm } else { rpm }).at;
+            let base = lin_screw(axial, if back { -rpm } else { rpm }).screw;
             let speed = base.point.drive.screw_speed;
             let point = OperatingPoint {
                 helix: Helix { lead_angle: lead.to_radians(), ..base.point.helix },
@@ -495,7 +496,7 @@ mod tests {
                 ..base.point
             };
             let case = ElasticPoint { point, conformity: (f_n, f_s), ..base };
-            let o = solved(&RacewayControl { at: case, control: None });
+            let o = solved(&RacewayControl { screw: case, control: None });
             let [q_a, q_b] = [o.ball.nut, o.ball.screw].map(|c| c.load.expect("a load"));
             let (a, b) = (o.ball.nut.angle, o.ball.screw.angle);
             let rate = o.ball.motion.expect("a motion").precession;
@@ -520,10 +521,13 @@ mod tests {
     #[test]
     fn screw_without_friction_has_no_loss() {
         let screw = ElasticPoint {
-            point: OperatingPoint { friction: Coulomb(0.0), ..lin_screw(500.0, 2000.0).at.point },
-            ..lin_screw(500.0, 2000.0).at
+            point: OperatingPoint {
+                friction: Coulomb(0.0),
+                ..lin_screw(500.0, 2000.0).screw.point
+            },
+            ..lin_screw(500.0, 2000.0).screw
         };
-        let o = solved(&RacewayControl { at: screw, control: None });
+        let o = solved(&RacewayControl { screw, control: None });
         assert_relative_eq!(o.transmission.efficiency, 1.0);
     }
 
@@ -561,11 +565,11 @@ mod tests {
                 .map(|raceway| RollingBall::controlled(&contacts, raceway, &mut newton).ok());
             let (Some(nut), Some(screw)) = (nut, screw) else { continue };
             solved += 1;
-            asked += usize::from(!nut.is_clear(&contacts));
+            asked += usize::from(!nut.is_unambiguous(&contacts));
             let consistent = [nut.is_consistent(&contacts), screw.is_consistent(&contacts)];
             both += usize::from(consistent == [true; 2]);
             neither += usize::from(consistent == [false; 2]);
-            missed += usize::from(consistent[0] == consistent[1] && nut.is_clear(&contacts));
+            missed += usize::from(consistent[0] == consistent[1] && nut.is_unambiguous(&contacts));
             let found = RollingBall::of(&contacts, None, &mut newton).expect("a ball");
             let alternatives = found.alternatives(&contacts, None, &mut newton);
             let of_screw = alternatives.iter().any(|other| other.control != found.control);
@@ -581,15 +585,15 @@ mod tests {
 
     #[test]
     fn invalid_inputs_are_reported_with_their_reason() {
-        let why = |case: &RacewayControl| {
-            let none =
-                case.solve(&mut RacewayWorkspace::default()).answer.expect_err("no solution");
-            (none.status(), none.reason().clone())
+        let failure_of = |case: &RacewayControl| {
+            let failure =
+                case.solve(&mut RacewayWorkspace::default()).result.expect_err("no solution");
+            (failure.status(), failure.reason().clone())
         };
         let still = lin_screw(100.0, 0.0);
-        assert_eq!(why(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
-        let screw = ElasticPoint { conformity: (5.0, 0.53), ..lin_screw(100.0, 100.0).at };
-        let (status, reason) = why(&RacewayControl { at: screw, control: None });
+        assert_eq!(failure_of(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
+        let screw = ElasticPoint { conformity: (5.0, 0.53), ..lin_screw(100.0, 100.0).screw };
+        let (status, reason) = failure_of(&RacewayControl { screw, control: None });
         assert_eq!(status, Status::InvalidInput);
         assert!(matches!(reason, Reason::CurvaturesNotHertzian { .. }), "{reason:?}");
     }

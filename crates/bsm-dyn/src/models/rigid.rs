@@ -24,8 +24,8 @@ pub use self::root::RigidWorkspace;
 pub use self::sweeps::Sweeps;
 use crate::contact::Angles;
 use crate::models::ball::{
-    AnswerUnits, BALL, BallState, BallUnits, ContactState, Model, NoAnswer, OperatingPoint, ROWS,
-    Slip, Solution, SolveInfo, SteadyState, equations, friction_angle,
+    BALL_UNKNOWNS, BallState, ContactState, EQUATION_NAMES, Model, OperatingPoint, ResultUnits,
+    ScaledPoint, Slip, Solution, SolveFailure, SolveInfo, SteadyState, equations, friction_angle,
 };
 
 /// Inputs of the rigid model. All three contacts have the contact angle of the operating point.
@@ -66,9 +66,9 @@ pub struct RigidRoot {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidSystem {
     /// Weights of the equations. The weights of the unknowns are one.
-    pub weights: [f64; BALL],
+    pub weights: [f64; BALL_UNKNOWNS],
     /// Starting value of Newton's method, which is the first-order solution.
-    pub start: [f64; BALL],
+    pub start: [f64; BALL_UNKNOWNS],
     equations: RigidEquations<f64>,
 }
 
@@ -80,7 +80,7 @@ impl RigidSystem {
         let ball = case.ball().ok()?;
         let first = ball.first_order();
         let (weights, start) = (ball.weights(first.rate), ball.start_of(&first).into());
-        Some(Self { weights, start, equations: RigidEquations { ball, from_ground: false } })
+        Some(Self { weights, start, equations: RigidEquations { ball, uses_absolute_rate: false } })
     }
 
     /// Returns the residuals of the seven equations (R8) for any scalar type.
@@ -92,12 +92,15 @@ impl RigidSystem {
         self.equations.residual(y)
     }
 
-    fn residual_at<D: Over<f64>>(&self, x: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+    fn residual_at<D: Over<f64>>(
+        &self,
+        x: &[D; BALL_UNKNOWNS],
+    ) -> Result<[D; BALL_UNKNOWNS], EvalError> {
         self.equations.residual_at(x)
     }
 }
 
-equations!(RigidSystem, BALL, RigidSystem::residual_at, ROWS);
+equations!(RigidSystem, BALL_UNKNOWNS, RigidSystem::residual_at, EQUATION_NAMES);
 
 impl<D: Scalar> Rigid<D> {
     /// Returns the operating point in scaled units, which are multiples of the ball radius, the
@@ -105,9 +108,9 @@ impl<D: Scalar> Rigid<D> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the model does not accept the inputs.
-    fn ball(&self) -> Result<RigidBall<D>, NoAnswer> {
-        let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
+    /// Returns [`SolveFailure`] if the model does not accept the inputs.
+    fn ball(&self) -> Result<RigidBall<D>, SolveFailure> {
+        let ScaledPoint { helix, mass, nut_speed, direction } = self.point.scaled()?;
         self.point.require_friction()?;
         let angles = Angles { lead: helix.lead_angle, contact: self.point.contact_angle };
         let signed = self.point.friction.0 * direction.sign();
@@ -135,8 +138,8 @@ impl Rigid {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] with status and reason if there is no root.
-    pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, NoAnswer> {
+    /// Returns [`SolveFailure`] with status and reason if there is no root.
+    pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, SolveFailure> {
         let BallRoot { motion, steps, residual, .. } = root::find(&self.ball()?, work)?;
         let ([nut_load, unloaded_flank_load, screw_load], [u, _, tau]) =
             (motion.loads, motion.omega);
@@ -147,7 +150,10 @@ impl Rigid {
     /// Solves for the steady motion of the ball.
     pub fn solve(&self, work: &mut RigidWorkspace) -> Solution {
         let root = self.ball().and_then(|ball| Ok((ball, root::find(&ball, work)?)));
-        Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
+        Solution::new(
+            Model::Rigid,
+            root.and_then(|(ball, root)| self.state_with_alternatives(&ball, &root)),
+        )
     }
 
     /// Returns all steady states on the branch of increasing inertia that begins at a ball without
@@ -156,18 +162,22 @@ impl Rigid {
     ///
     /// # Errors
     ///
-    /// Returns the [`NoAnswer`] of [`solve`](Self::solve), or [`NoAnswer::LOST`] if the branch
-    /// cannot be followed to its end.
-    pub fn branch(&self, work: &mut RigidWorkspace) -> Result<Vec<SteadyState>, NoAnswer> {
+    /// Returns the [`SolveFailure`] of [`solve`](Self::solve), or a failure with the status
+    /// `not_converged` if the branch cannot be followed to its end.
+    pub fn branch(&self, work: &mut RigidWorkspace) -> Result<Vec<SteadyState>, SolveFailure> {
         let ball = self.ball()?;
         let root = root::find_all(&ball, work)?;
-        let others = root.alternatives.as_ref().ok_or(NoAnswer::LOST)?;
+        let others = root.alternatives.as_ref().ok_or(SolveFailure::SEARCH_FAILED)?;
         let others = others.iter().filter_map(|other| self.balanced(&ball, other).ok());
         Ok(std::iter::once(self.balanced(&ball, &root)?).chain(others).collect())
     }
 
     /// Converts a root and its alternatives into a steady state in SI units.
-    fn solved(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, NoAnswer> {
+    fn state_with_alternatives(
+        &self,
+        ball: &RigidBall,
+        root: &BallRoot,
+    ) -> Result<SteadyState, SolveFailure> {
         let solved = self.balanced(ball, root)?;
         let Some(alternatives) = &root.alternatives else { return Ok(solved) };
         let alternatives = alternatives.iter().filter_map(|other| self.balanced(ball, other).ok());
@@ -175,8 +185,9 @@ impl Rigid {
     }
 
     /// Converts a root into a steady state after checking its power balance.
-    fn balanced(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, NoAnswer> {
-        let solved = ball.solved(&root.motion, &self.point.units(), self.point.contact_angle, true);
+    fn balanced(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, SolveFailure> {
+        let solved =
+            ball.steady_state(&root.motion, &self.point.units(), self.point.contact_angle, true);
         solved.transmission.balanced()?;
         let info = SolveInfo { steps: root.steps, residual: root.residual };
         Ok(SteadyState { info: Some(info), ..solved })
@@ -190,10 +201,10 @@ impl<F: Real> RigidBall<F> {
     /// * `directions`: true if the directions of the friction forces are requested. Each direction
     ///   requires an arctangent.
     #[inline(always)]
-    pub fn solved(
+    pub fn steady_state(
         &self,
         motion: &RigidMotion<F>,
-        units: &AnswerUnits<F>,
+        units: &ResultUnits<F>,
         contact_angle: F,
         directions: bool,
     ) -> SteadyState<F> {

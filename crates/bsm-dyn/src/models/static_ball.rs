@@ -106,7 +106,11 @@ impl StaticBall {
     /// # Errors
     ///
     /// Returns [`EvalError`] if the ball cannot carry the load at any displacement.
-    pub fn under(&self, axial: f64, lead_angle: f64) -> Result<(f64, GrooveForces), EvalError> {
+    pub fn under_axial_load(
+        &self,
+        axial: f64,
+        lead_angle: f64,
+    ) -> Result<(f64, GrooveForces), EvalError> {
         let domain_error = EvalError {
             quantity: "axial load of a ball [N]",
             value: axial,
@@ -160,7 +164,8 @@ mod tests {
     fn displacement_and_load_of_an_equally_loaded_ball_match_the_reference() {
         let screw = screw(6340.0, 1.0);
         let ball = screw.pressed_ball().unwrap();
-        let (u, pressing) = ball.under(6340.0 / 98.0, screw.point.helix.lead_angle).unwrap();
+        let (u, pressing) =
+            ball.under_axial_load(6340.0 / 98.0, screw.point.helix.lead_angle).unwrap();
         assert_relative_eq!(u, 6.937_390_322_458_6e-6, max_relative = 1e-9);
         assert_relative_eq!(pressing.load, 90.100_228_3, max_relative = 1e-9);
         let cos_a = screw.point.helix.lead_angle.cos();
@@ -174,13 +179,13 @@ mod tests {
     fn static_ball_agrees_with_raceway_control_at_low_speed() {
         for axial in [10.0, 6340.0, 90e3] {
             let screw = screw(axial, 1e-4);
-            let solved = RacewayControl { at: screw, control: None }
+            let solved = RacewayControl { screw, control: None }
                 .solve(&mut RacewayWorkspace::default())
-                .answer
+                .result
                 .expect("a slow ball");
             let ball = screw.pressed_ball().unwrap();
             let lead = screw.point.helix.lead_angle;
-            let (u, pressing) = ball.under(screw.point.load.per_ball(), lead).unwrap();
+            let (u, pressing) = ball.under_axial_load(screw.point.load.per_ball(), lead).unwrap();
             // The static balance of the rolling ball is solved to a residual of 1e-13.
             let nut = solved.ball.nut;
             assert_relative_eq!(pressing.angle, nut.angle, max_relative = 1e-12);
@@ -197,7 +202,7 @@ mod tests {
         assert_eq!((loose.load, loose.energy, loose.force), (0.0, 0.0, [0.0; 2]));
         // A ball whose radius is 1 µm larger has no gap and carries a load.
         assert!(ball.at([-1e-6, -1e-6], 1e-6).load > 0.0);
-        assert!(ball.under(-1.0, 0.1).is_err());
+        assert!(ball.under_axial_load(-1.0, 0.1).is_err());
     }
 
     proptest! {

@@ -14,24 +14,24 @@ mod sensitivities;
 mod slips;
 mod train;
 
-pub(crate) use self::equations::{COARSE, COARSE_RESIDUAL, SEARCH, turned};
-use self::equations::{ROOT, SlipBall};
+pub(crate) use self::equations::{COARSE_ACCURACY, COARSE_RESIDUAL, SEARCH_ACCURACY, turned};
+use self::equations::{ROOT_RESIDUAL, SlipBall};
 use self::root::RootWithPower;
 pub(crate) use self::root::SlipRoot;
 pub use self::train::{TrainBall, TrainMotion};
 use crate::ellipse::Rules;
 use crate::models::ball::unknown::{NUT_LOAD, SCREW_LOAD};
 use crate::models::ball::{
-    ElasticContacts, ElasticPoint, ErrorBound, Model, NoAnswer, Solution, SolveInfo, SteadyState,
-    Workspace, creep_effect, integrated_error,
+    ElasticContacts, ElasticPoint, ErrorBound, Model, Solution, SolveFailure, SolveInfo,
+    SteadyState, Workspace, creep_effect, integrated_error,
 };
-use crate::models::raceway_control::{RollingBall, STATIC};
+use crate::models::raceway_control::{RollingBall, STATIC_UNKNOWNS};
 
 /// Inputs of the traction model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Traction<D = f64> {
     /// Screw at its operating point; the friction coefficient must be positive.
-    pub at: ElasticPoint<D>,
+    pub screw: ElasticPoint<D>,
     /// Permitted quadrature error divided by the friction force (dimensionless), positive.
     pub accuracy: f64,
     /// Creep speed `$v_e$` divided by `$r_b |W|$` (dimensionless), positive.
@@ -53,7 +53,7 @@ impl Traction {
 /// Reusable buffers for solving traction models.
 #[derive(Default)]
 pub struct TractionWorkspace {
-    statics: Workspace<STATIC>,
+    statics: Workspace<STATIC_UNKNOWNS>,
     newton: Workspace,
     rules: Rules,
 }
@@ -65,11 +65,11 @@ impl Traction {
     /// requested accuracy. If either step fails, a search with a finer quadrature, which includes
     /// continuation, decides whether a root exists.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
-        let found = self.at.point.require_friction().and_then(|()| {
-            let contacts = self.at.scaled()?;
+        let found = self.screw.point.require_friction().and_then(|()| {
+            let contacts = self.screw.scaled()?;
             let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
             let start = Start::new(&contacts, rolling_ball.ok().as_ref())?;
-            Ok(self.found(&start, None, work).map_err(NotFound::why)?.solved)
+            Ok(self.found(&start, None, work).map_err(NotFound::failure)?.solved)
         });
         Solution::new(Model::Traction, found)
     }
@@ -86,7 +86,7 @@ impl Traction {
         start: &Start<'_>,
         tolerance: f64,
         work: &mut TractionWorkspace,
-    ) -> Result<(SlipResult, f64, f64), NoAnswer> {
+    ) -> Result<(SlipResult, f64, f64), SolveFailure> {
         let bound = |found: &SlipResult| {
             integrated_error(found.error, found.solved.transmission.efficiency, found.by_creep)
         };
@@ -119,7 +119,7 @@ impl Traction {
                 (Err(_), Err(_)) => {}
             }
         }
-        let found = found.map_err(NotFound::why)?;
+        let found = found.map_err(NotFound::failure)?;
         let error = bound(&found);
         Ok((found, case.accuracy, error))
     }
@@ -133,13 +133,13 @@ impl Traction {
         work: &mut TractionWorkspace,
     ) -> Result<SlipResult, NotFound> {
         let TractionWorkspace { newton, rules, .. } = work;
-        let rules = rules.dry([COARSE, SEARCH, self.accuracy]);
+        let rules = rules.dry([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]);
         let creep = self.creep * contacts.slip_scale();
         let [coarse, search, ball] =
             rules.map(|[rule, _]| SlipBall::of_contacts(contacts, rule, creep));
         let (coarse, ball) = (
             SlipBall { residual_goal: COARSE_RESIDUAL, ..coarse },
-            SlipBall { residual_goal: ROOT, ..ball },
+            SlipBall { residual_goal: ROOT_RESIDUAL, ..ball },
         );
         let [.., [_, check]] = rules;
         let frozen_rules = Default::default();
@@ -153,12 +153,16 @@ impl Traction {
         let refined = near.and_then(|near| ball.refined(&near, &frozen_rules, newton, &mut steps));
         let refined = match (refined, from) {
             (Some(refined), _) => refined,
-            (None, Some(_)) => return Err(NoAnswer::LOST.into()),
+            (None, Some(_)) => return Err(SolveFailure::SEARCH_FAILED.into()),
             (None, None) => {
                 let near = search.search(rolling_ball, newton, &mut steps)?;
                 let frozen_rules = Default::default();
                 let refined = ball.refined(&near, &frozen_rules, newton, &mut steps);
-                let lost = || NotFound { near: Some(Box::new(near)), steps, why: NoAnswer::LOST };
+                let lost = || NotFound {
+                    near: Some(Box::new(near)),
+                    steps,
+                    failure: SolveFailure::SEARCH_FAILED,
+                };
                 refined.ok_or_else(lost)?
             }
         };
@@ -182,11 +186,15 @@ impl Traction {
     /// Converts a root into a steady state in SI units.
     ///
     /// * `ball`: equations with which the root was refined.
-    fn steady(&self, ball: &SlipBall<'_>, found: &RootWithPower) -> Result<SteadyState, NoAnswer> {
+    fn steady(
+        &self,
+        ball: &SlipBall<'_>,
+        found: &RootWithPower,
+    ) -> Result<SteadyState, SolveFailure> {
         let RootWithPower { root, transmitted, loaded, .. } = found;
         let to_nut = ball.of(root).motion_to_nut(&root.unknowns, loaded);
-        let state = self.at.ball_state(ball.contacts, loaded, &to_nut, true)?;
-        let transmission = self.at.transmission_at(transmitted.torque, transmitted.power)?;
+        let state = self.screw.ball_state(ball.contacts, loaded, &to_nut, true)?;
+        let transmission = self.screw.transmission_at(transmitted.torque, transmitted.power)?;
         Ok(SteadyState::new(&state, transmission))
     }
 
@@ -195,23 +203,25 @@ impl Traction {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the model does not accept the inputs, if the branch cannot be
+    /// Returns [`SolveFailure`] if the model does not accept the inputs, if the branch cannot be
     /// followed to its end, or if a root on the branch cannot be refined.
-    pub fn branch(&self, work: &mut TractionWorkspace) -> Result<Vec<SteadyState>, NoAnswer> {
-        self.at.point.require_friction()?;
-        let contacts = self.at.scaled()?;
+    pub fn branch(&self, work: &mut TractionWorkspace) -> Result<Vec<SteadyState>, SolveFailure> {
+        self.screw.point.require_friction()?;
+        let contacts = self.screw.scaled()?;
         let TractionWorkspace { newton, rules, .. } = work;
-        let [[search, _], [rule, _]] = rules.dry([SEARCH, self.accuracy]);
+        let [[search, _], [rule, _]] = rules.dry([SEARCH_ACCURACY, self.accuracy]);
         let creep = self.creep * contacts.slip_scale();
         let search = SlipBall::of_contacts(&contacts, search, creep);
-        let ball =
-            SlipBall { residual_goal: ROOT, ..SlipBall::of_contacts(&contacts, rule, creep) };
+        let ball = SlipBall {
+            residual_goal: ROOT_RESIDUAL,
+            ..SlipBall::of_contacts(&contacts, rule, creep)
+        };
         let with_nut_angle = SlipBall { uses_nut_angle: true, ..search };
         let roots = search.all_roots(newton).or_else(|| with_nut_angle.all_roots(newton));
         let mut states = Vec::<SteadyState>::new();
-        for near in roots.ok_or(NoAnswer::LOST)? {
+        for near in roots.ok_or(SolveFailure::SEARCH_FAILED)? {
             let refined = ball.refined(&near, &Default::default(), newton, &mut 0);
-            let state = self.steady(&ball, &refined.ok_or(NoAnswer::LOST)?)?;
+            let state = self.steady(&ball, &refined.ok_or(SolveFailure::SEARCH_FAILED)?)?;
             if !states.iter().any(|known| are_equal(known, &state)) {
                 states.push(state);
             }
@@ -221,8 +231,8 @@ impl Traction {
 }
 
 /// Relative difference of the precession rates and of the efficiencies below which two steady
-/// states are the same. Roots are refined to ten digits, and different roots on a branch differ more
-/// except at a fold.
+/// states are the same. Roots are refined to ten digits, and different roots on a branch differ
+/// more except at a fold.
 const SAME_STATE_TOL: f64 = 1e-6;
 
 /// Returns true if two steady states are the same except for rounding errors.
@@ -248,7 +258,7 @@ impl<'a> Start<'a> {
     pub(crate) fn new(
         contacts: &'a ElasticContacts,
         rolling_ball: Option<&RollingBall>,
-    ) -> Result<Self, NoAnswer> {
+    ) -> Result<Self, SolveFailure> {
         // If the centrifugal force is too large for the estimate of a rolling ball, a ball without
         // inertia is used.
         let guess = || {
@@ -276,7 +286,7 @@ pub(crate) struct SlipResult {
 /// Information about a solve that found no root with a given accuracy.
 #[derive(Debug)]
 struct NotFound {
-    why: NoAnswer,
+    failure: SolveFailure,
     /// Root that the search found but that could not be refined with this accuracy, if any.
     near: Option<Box<SlipRoot>>,
     /// Number of Newton steps of the search.
@@ -284,14 +294,14 @@ struct NotFound {
 }
 
 impl NotFound {
-    fn why(self) -> NoAnswer {
-        self.why
+    fn failure(self) -> SolveFailure {
+        self.failure
     }
 }
 
-impl From<NoAnswer> for NotFound {
-    fn from(why: NoAnswer) -> Self {
-        Self { why, near: None, steps: 0 }
+impl From<SolveFailure> for NotFound {
+    fn from(failure: SolveFailure) -> Self {
+        Self { failure, near: None, steps: 0 }
     }
 }
 

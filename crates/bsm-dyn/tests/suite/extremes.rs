@@ -62,13 +62,13 @@ fn rigid(screw: &ElasticPoint) -> Problem {
 }
 
 fn raceway_control(screw: ElasticPoint, control: Option<Control>) -> Problem {
-    Problem::RacewayControl(RacewayControl { at: screw, control })
+    Problem::RacewayControl(RacewayControl { screw, control })
 }
 
 /// Checks that a converged solution is consistent. Returns true if the point has a solution or if
 /// there is evidence that no solution exists.
 fn is_consistent(screw: &ElasticPoint, solution: &Solution) -> bool {
-    let o = match &solution.answer {
+    let o = match &solution.result {
         Ok(solved) => solved,
         Err(none) => return none.evidence().is_some(),
     };
@@ -117,12 +117,12 @@ fn rigid_results_at_extreme_points_are_consistent() {
 #[test]
 fn elastic_solutions_at_extreme_points_are_consistent() {
     // About 0.1 % of the points are known to fail, because friction nearly holds the load.
-    assert!(count_unsolved_points(4000, |screw| Problem::Elastic(Elastic { at: screw })) <= 12);
+    assert!(count_unsolved_points(4000, |screw| Problem::Elastic(Elastic { screw })) <= 12);
 }
 
 #[test]
 fn traction_solutions_at_extreme_points_are_consistent() {
-    let traction = |screw| Problem::Traction(Traction { at: screw, accuracy: 1e-4, creep: 1e-4 });
+    let traction = |screw| Problem::Traction(Traction { screw, accuracy: 1e-4, creep: 1e-4 });
     let count = campaign(300);
     let unsolved = count_unsolved_points(count, traction);
     // At the points that are known to fail, the inertia forces far exceed load and friction. Either
@@ -158,8 +158,8 @@ fn every_model_returns_within_the_time_limit_for_extreme_inputs() {
         [
             rigid(&screw),
             raceway_control(screw, None),
-            Problem::Elastic(Elastic { at: screw }),
-            Problem::Traction(Traction { at: screw, accuracy: 1e-4, creep: 1e-4 }),
+            Problem::Elastic(Elastic { screw }),
+            Problem::Traction(Traction { screw, accuracy: 1e-4, creep: 1e-4 }),
         ]
     };
     for (input, value) in (0..INPUTS).flat_map(|input| ABSURD.map(|value| (input, value))) {
@@ -188,9 +188,7 @@ fn every_model_returns_within_the_time_limit_for_extreme_inputs() {
 /// saturated friction.
 #[test]
 fn auto_solutions_at_extreme_points_are_consistent() {
-    count_unsolved_points(campaign(300), |screw| {
-        Problem::Auto(Auto { at: screw, tolerance: 1e-2 })
-    });
+    count_unsolved_points(campaign(300), |screw| Problem::Auto(Auto { screw, tolerance: 1e-2 }));
 }
 
 /// Results do not depend on the units of length, force and time: inputs with the same dimensionless
@@ -215,7 +213,7 @@ fn results_do_not_depend_on_units() {
         let pairs = [
             (rigid(&screw), rigid(&other)),
             (raceway_control(screw, None), raceway_control(other, None)),
-            (Problem::Elastic(Elastic { at: screw }), Problem::Elastic(Elastic { at: other })),
+            (Problem::Elastic(Elastic { screw }), Problem::Elastic(Elastic { screw: other })),
         ];
         for (model, (one, two)) in pairs.into_iter().enumerate() {
             let (one, two) = (one.solve(&mut work), two.solve(&mut work));
@@ -280,9 +278,9 @@ fn results_with_saturated_friction_and_without_inertia_equal_the_closed_form() {
         let screw = with(screw, |screw| screw.point.ball.mass = mass);
         let direction = Direction::of(speed).expect("turning");
         for (i, case) in
-            [rigid(&screw), Problem::Elastic(Elastic { at: screw })].into_iter().enumerate()
+            [rigid(&screw), Problem::Elastic(Elastic { screw })].into_iter().enumerate()
         {
-            let Ok(o) = case.solve(&mut work).answer else { continue };
+            let Ok(o) = case.solve(&mut work).result else { continue };
             let eta = o.transmission.efficiency;
             let contact = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
             let angles = Angles { lead: screw.point.helix.lead_angle, contact };

@@ -34,8 +34,8 @@ fn formulas<D: Real>(
     let modulus = contact_modulus(&material(young), &material(ball_young));
     let groove = Groove { member, conformity };
     let curvatures = groove.curvatures_at(pitch, one, sines.tan_a(), sines.cos_b);
-    let axes = Axes::in_practice(curvatures.longitudinal / curvatures.transverse);
-    let hertz = Hertz::on(&axes, &curvatures, modulus);
+    let axes = Axes::of_practical_ratio(curvatures.longitudinal / curvatures.transverse);
+    let hertz = Hertz::with_axes(&axes, &curvatures, modulus);
     let contacts = TwoContacts {
         sines,
         friction,

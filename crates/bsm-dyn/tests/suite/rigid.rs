@@ -20,13 +20,13 @@ fn lin() -> OperatingPoint {
 
 fn expect_solution(case: &OperatingPoint) -> SteadyState {
     let solution = Rigid { point: *case }.solve(&mut RigidWorkspace::default());
-    solution.answer.unwrap_or_else(|none| panic!("{case:?} {none:?}"))
+    solution.result.unwrap_or_else(|failure| panic!("{case:?} {failure:?}"))
 }
 
 fn status_and_reason(case: &OperatingPoint) -> (Status, Reason) {
     let none = Rigid { point: *case }
         .solve(&mut RigidWorkspace::default())
-        .answer
+        .result
         .expect_err("no solution");
     (none.status(), none.reason().clone())
 }
@@ -187,13 +187,13 @@ fn first_order_solution_does_not_exclude_roots_at_large_inertia() {
     // root is not on the branch that begins at small inertia.
     let none = Rigid { point: locking }
         .solve(&mut RigidWorkspace::default())
-        .answer
+        .result
         .expect_err("an isolated root");
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
     // This operating point has no root either, but the first-order solution alone does not exclude
     // a root.
     let none =
-        Rigid { point: pulling }.solve(&mut RigidWorkspace::default()).answer.expect_err("no root");
+        Rigid { point: pulling }.solve(&mut RigidWorkspace::default()).result.expect_err("no root");
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
 }
 
@@ -312,7 +312,7 @@ proptest! {
         let solution = Rigid { point: case }.solve(&mut RigidWorkspace::default());
         prop_assert_ne!(solution.status(), Status::NotConverged, "{:?}", solution.reason());
         if solution.status() == Status::Converged {
-            let o = solution.solved().expect("converged");
+            let o = solution.steady_state().expect("converged");
             // The tolerance allows for the rounding error of the friction power at the unloaded
             // flank, which is the product of a load of 1e-4 and a speed of 1e4.
             prop_assert!(o.transmission.power_balance.is_some_and(|x| x.abs() <= 1e-11), "{:?}", o);
@@ -348,7 +348,7 @@ proptest! {
         let mut work = RigidWorkspace::default();
         let (one, other) = (Rigid { point: case }.solve(&mut work), Rigid { point: many }.solve(&mut work));
         prop_assert_eq!(one.status(), other.status());
-        let torque = |s: &Solution| s.solved()?.transmission.screw_torque;
+        let torque = |s: &Solution| s.steady_state()?.transmission.screw_torque;
         if let (Some(t), Some(t_z)) = (torque(&one), torque(&other)) {
             // The axial load per ball may differ in the last bit.
             prop_assert!((t * z - t_z).abs() <= 1e-11 * t_z.abs());

@@ -35,7 +35,7 @@ impl Tally {
     fn add(&mut self, case: &OperatingPoint, work: &mut RigidWorkspace) {
         let start = Rigid { point: *case }.first_order().expect("friction and speed are positive");
         let solution = Rigid { point: *case }.solve(work);
-        match &solution.answer {
+        match &solution.result {
             Ok(o) => {
                 self.converged += 1;
                 let steps = o.info.expect("an iteration").steps;
@@ -60,7 +60,7 @@ impl Tally {
             }
             Err(none) if none.status() == Status::NoSolution => {
                 self.no_solution += 1;
-                self.refuted += usize::from(start.exists());
+                self.refuted += usize::from(start.root_exists());
             }
             Err(_) => {
                 self.not_converged += 1;

@@ -31,9 +31,9 @@ fn ball(screw_rpm: f64) -> ElasticPoint {
 ///
 /// * `friction`: friction coefficient between balls.
 fn train_ball(at: ElasticPoint, friction: f64, work: &mut ModelWorkspace) -> TrainBall {
-    let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+    let traction = Traction { screw: at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
     let solution = Problem::Traction(traction).solve(work);
-    let free = solution.solved().expect("a steady ball").ball;
+    let free = solution.steady_state().expect("a steady ball").ball;
     traction.in_train(&free, friction, work).expect("a ball that moves")
 }
 

@@ -71,8 +71,8 @@ impl<S: Simd> OilLane<S> {
             RacewayFriction::Local => {
                 let laws = [&films[0].law, &films[1].law];
                 let [sliding, slip] =
-                    Ellipse::lubricated_powers(given.simd, [nut, screw], laws, state.found);
-                (slip, sliding, state.found)
+                    Ellipse::lubricated_powers(given.simd, [nut, screw], laws, state.is_first_root);
+                (slip, sliding, state.is_first_root)
             }
         };
         let losses = [
@@ -99,7 +99,7 @@ impl<S: Simd> OilLane<S> {
     /// everywhere in the contact. The result is the larger of the values for nut and screw.
     #[inline(always)]
     pub(super) fn friction_scale(&self) -> Lane<S> {
-        self.losses[0].film.law.most().max(self.losses[1].film.law.most())
+        self.losses[0].film.law.max_friction().max(self.losses[1].film.law.max_friction())
     }
 
     /// Returns the sum of all losses in both contacts.
@@ -148,13 +148,13 @@ fn loss<S: Simd>(
     (sliding, slip): (Lane<S>, Lane<S>),
     ball: Lane<S>,
 ) -> FilmLoss<Lane<S>> {
-    let resistance = film.resist(*around, RacewayControl::CREEP);
+    let resistance = film.rolling_resistance(*around, RacewayControl::CREEP);
     FilmLoss {
         sliding: sliding * *load,
         unit: slip * *load,
-        rolling: ScaledFilm::resisted(resistance, *speed, *around),
+        rolling: ScaledFilm::rolling_resistance_power(resistance, *speed, *around),
         semi_axes: (*a * ball, *b * ball),
-        inlet: [slip.constant(f64::NAN); 2],
+        ratio_and_load_parameter: [slip.constant(f64::NAN); 2],
         film,
     }
 }

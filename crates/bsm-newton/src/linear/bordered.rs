@@ -183,7 +183,7 @@ impl<const K: usize> BorderedMatrix<K> {
                     }
                 }
                 for (here, before) in here.iter_mut().zip(&done[(i - 1) * border..]) {
-                    *here = less(here, rows, before);
+                    *here = minus_product(here, rows, before);
                 }
             }
             let block = &mut self.diagonal[i];
@@ -196,7 +196,7 @@ impl<const K: usize> BorderedMatrix<K> {
         for i in (0..count.saturating_sub(1)).rev() {
             let (here, next) = self.right[i * border..].split_at_mut(border);
             for (here, next) in here.iter_mut().zip(next) {
-                *here = less_columns(here, &self.above[i], next);
+                *here = minus_product_by_columns(here, &self.above[i], next);
             }
         }
         for r in 0..border {
@@ -222,13 +222,13 @@ impl<const K: usize> BorderedMatrix<K> {
             let (before, here) = chain.split_at_mut(i);
             // y_i = D_i⁻¹ (r_i − L_i y_{i−1})                             (N10)
             if let Some(before) = before.last() {
-                here[0] = less(&here[0], &self.below[i - 1], before);
+                here[0] = minus_product(&here[0], &self.below[i - 1], before);
             }
             self.diagonal[i].solve(&mut here[0]);
         }
         for i in (0..count.saturating_sub(1)).rev() {
             // x_i = y_i − D_i⁻¹ U_i x_{i+1}                               (N10)
-            chain[i] = less_columns(&chain[i], &self.above[i], &chain[i + 1]);
+            chain[i] = minus_product_by_columns(&chain[i], &self.above[i], &chain[i + 1]);
         }
         if border == 0 {
             return;
@@ -251,12 +251,16 @@ impl<const K: usize> BorderedMatrix<K> {
 }
 
 /// Returns `$a - M b$` for a matrix `$M$` that is given by its rows.
-fn less<const K: usize>(a: &[f64; K], rows: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
+fn minus_product<const K: usize>(a: &[f64; K], rows: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
     from_fn(|k| a[k] - dot(&rows[k], b))
 }
 
 /// Returns `$a - M b$` for a matrix `$M$` that is given by its columns.
-fn less_columns<const K: usize>(a: &[f64; K], columns: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
+fn minus_product_by_columns<const K: usize>(
+    a: &[f64; K],
+    columns: &[[f64; K]; K],
+    b: &[f64; K],
+) -> [f64; K] {
     let mut difference = *a;
     for (column, b) in columns.iter().zip(b) {
         for (x, entry) in difference.iter_mut().zip(column) {

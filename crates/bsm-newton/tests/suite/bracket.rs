@@ -130,13 +130,13 @@ fn root_search_results_are_within_its_tolerances() {
     assert!(found.value.abs() <= 0.1 && found.evaluations <= 8, "{found:?}");
 }
 
-/// `first_change` stops at the first sign change, zero, NaN or error.
+/// `first_sign_change` stops at the first sign change, zero, NaN or error.
 #[test]
 fn first_change_stops_at_a_sign_change_zero_nan_or_error() {
     let walk = |f: fn(f64) -> f64| {
         let places = [1.0, 2.0, 4.0];
         let Ok(change) =
-            Bracket::first_change((0.0, f(0.0)), places, |x| Ok::<_, Infallible>(f(x)));
+            Bracket::first_sign_change((0.0, f(0.0)), places, |x| Ok::<_, Infallible>(f(x)));
         change.map(|bracket| bracket.ends)
     };
     assert_eq!(walk(|x| x - 1.5), Some([1.0, 2.0]));
@@ -145,5 +145,5 @@ fn first_change_stops_at_a_sign_change_zero_nan_or_error() {
     assert_eq!(walk(|x| 1.5 - x), Some([1.0, 2.0]));
     assert_eq!(walk(|x| (1.5 - x).sqrt()), Some([1.0, 2.0]), "not a number");
     assert_eq!(walk(|x| x - 5.0), None);
-    assert_eq!(Bracket::first_change((0.0, -1.0), [1.0], |_| Err("no")), Err("no"));
+    assert_eq!(Bracket::first_sign_change((0.0, -1.0), [1.0], |_| Err("no")), Err("no"));
 }

@@ -1,12 +1,12 @@
 //! Tests of pseudo-arclength continuation along curves with known closed forms, with limits on the
 //! number of points.
 
-use bsm_newton::{EvalError, Homotopy, PathEnd, Seed, StepControl, Trace, trace};
+use bsm_newton::{CurveEquations, EvalError, PathEnd, Seed, StepControl, Trace, trace};
 
 /// A plane curve that is defined by a function and its gradient.
 struct Curve<F>(F);
 
-impl<F: Fn(f64, f64) -> Result<(f64, [f64; 2]), EvalError>> Homotopy<1, 2> for Curve<F> {
+impl<F: Fn(f64, f64) -> Result<(f64, [f64; 2]), EvalError>> CurveEquations<1, 2> for Curve<F> {
     fn residual(&self, &[x, y]: &[f64; 2]) -> Result<[f64; 1], EvalError> {
         Ok([self.0(x, y)?.0])
     }
@@ -125,7 +125,7 @@ fn failure_to_find_or_follow_a_solution_curve_is_reported() {
 #[test]
 fn path_follows_a_curve_of_seven_equations() {
     struct Waves;
-    impl Homotopy<7, 8> for Waves {
+    impl CurveEquations<7, 8> for Waves {
         fn residual(&self, z: &[f64; 8]) -> Result<[f64; 7], EvalError> {
             Ok(self.linearize(z)?.0)
         }

@@ -6,7 +6,8 @@ use bsm_dyn::DrivenPart;
 
 use super::band::interval;
 use super::{
-    BallLink, Guess, NODES, Network, NoSteadyState, ScrewBar, Sinks, StateInterval, Surfaces,
+    BallLink, Estimate, NODES, Network, NoSteadyState, ScrewBar, StateInterval, Surfaces,
+    Surroundings,
 };
 
 /// Heat sources of an axis, either as friction torques \[N·m\] or as powers averaged over the duty
@@ -60,11 +61,11 @@ pub struct ThermalAxis {
     pub surfaces: Surfaces,
     /// An estimated quantity and the factor by which it is multiplied; `None` if all estimates are
     /// unchanged.
-    pub off: Option<(Guess, f64)>,
+    pub changed_estimate: Option<(Estimate, f64)>,
     /// Part of the screw between its bearings.
     pub screw: ScrewBar,
     /// Temperatures of the surroundings.
-    pub sinks: Sinks,
+    pub surroundings: Surroundings,
 }
 
 impl ThermalAxis {
@@ -74,8 +75,8 @@ impl ThermalAxis {
     ///   phase, including standstill.
     pub fn network(&self, phases: &[(f64, f64)]) -> Network {
         let conductivity = self.screw.conductivity;
-        let conductances = self.surfaces.conductances(conductivity, phases, self.off);
-        Network { conductances, screw: self.screw, sinks: self.sinks }
+        let conductances = self.surfaces.conductances(conductivity, phases, self.changed_estimate);
+        Network { conductances, screw: self.screw, surroundings: self.surroundings }
     }
 
     /// Returns the heat that is generated at each node \[W\] (I14). If the motor drives the nut,
@@ -85,7 +86,7 @@ impl ThermalAxis {
     /// * `powers`: heat sources, as powers averaged over the duty cycle \[W\].
     pub fn heats(&self, powers: &HeatSources) -> [f64; NODES] {
         let HeatSources { contacts: [at_nut, at_screw], balls, seals, bearings, motor } = *powers;
-        let factor = Guess::Heat.factor(self.off);
+        let factor = Estimate::Heat.factor(self.changed_estimate);
         // P_n = Σ q P_A/2,  P_s = Σ q (P_B/2 + T_seal |W|),  P_b = Σ q ((P_A + P_B)/2 + T_x |W| + …)  (I14)
         let [mut nut, mut screw, at_balls] = match self.surfaces.link {
             BallLink::Contacts { .. } => {
@@ -151,8 +152,11 @@ impl ThermalAxis {
         };
         let mut complete = *powers;
         complete.add(missing, 1.0);
-        let guesses = Guess::ALL.into_iter().filter(|guess| !guess.is_given(&self.surfaces));
-        let guessed = |off| at(&Self { off: Some(off), ..*self }, powers);
-        Ok(interval(at(self, powers)?, guesses, guessed, || at(self, &complete)))
+        let estimates =
+            Estimate::ALL.into_iter().filter(|estimate| !estimate.is_given(&self.surfaces));
+        let with_estimate = |changed_estimate| {
+            at(&Self { changed_estimate: Some(changed_estimate), ..*self }, powers)
+        };
+        Ok(interval(at(self, powers)?, estimates, with_estimate, || at(self, &complete)))
     }
 }

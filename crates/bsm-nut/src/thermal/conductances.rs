@@ -11,7 +11,7 @@ use crate::geometry::count;
 
 /// A quantity that is estimated if the case does not specify it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Guess {
+pub enum Estimate {
     /// Conductance between the nut and the air.
     Nut,
     /// Film coefficient between the screw and the air.
@@ -26,7 +26,7 @@ pub enum Guess {
     Heat,
 }
 
-impl Guess {
+impl Estimate {
     /// All estimated quantities.
     pub const ALL: [Self; 6] =
         [Self::Nut, Self::ScrewFilm, Self::Gap, Self::Balls, Self::Ends, Self::Heat];
@@ -55,10 +55,10 @@ impl Guess {
         }
     }
 
-    /// Returns the factor by which this quantity is multiplied. It is 1 unless `off` contains this
-    /// quantity.
-    pub(super) fn factor(self, off: Option<(Self, f64)>) -> f64 {
-        off.filter(|(guess, _)| *guess == self).map_or(1.0, |(_, by)| by)
+    /// Returns the factor by which this quantity is multiplied. It is 1 unless `changed_estimate`
+    /// contains this quantity.
+    pub(super) fn factor(self, changed_estimate: Option<(Self, f64)>) -> f64 {
+        changed_estimate.filter(|(estimate, _)| *estimate == self).map_or(1.0, |(_, by)| by)
     }
 
     /// Returns true if the case specifies the quantity, so that no estimate is needed.
@@ -118,7 +118,7 @@ const CARRIAGE: f64 = 10.0;
 /// Conductance between nut and screw through the contacts of all balls, divided by the pitch circle
 /// diameter of the nut \[W/(m·K)\]. For typical nuts at 1000 rpm, this value agrees with (I11) to
 /// within a factor of 2.
-const USUAL_BALLS: f64 = 65.0;
+const TYPICAL_BALL_CONDUCTANCE: f64 = 65.0;
 
 /// Returns the film coefficient of a cylinder rotating in air \[W/(m²·K)\] (I9).
 ///
@@ -254,12 +254,12 @@ impl Surfaces {
     /// * `conductivity`: thermal conductivity of steel \[W/(m·K)\].
     /// * `phases`: duration and absolute relative speed between screw and nut \[rad/s\] of every
     ///   phase.
-    /// * `off`: an estimated quantity and the factor by which it is multiplied.
+    /// * `changed_estimate`: an estimated quantity and the factor by which it is multiplied.
     pub fn conductances(
         &self,
         conductivity: f64,
         phases: &[(f64, f64)],
-        off: Option<(Guess, f64)>,
+        changed_estimate: Option<(Estimate, f64)>,
     ) -> Conductances {
         let diameter = self.diameter;
         let length = self.size.1;
@@ -274,7 +274,7 @@ impl Surfaces {
             }
             // Two equal conductances in series must result in the typical conductance between nut
             // and screw, so each of them is twice as large.
-            BallLink::Usual => [2.0 * USUAL_BALLS * diameter; 2],
+            BallLink::Usual => [2.0 * TYPICAL_BALL_CONDUCTANCE * diameter; 2],
         };
         let gap = GREASE.0 * PI * diameter * length / GREASE.1;
         let film = || match self.driven {
@@ -282,12 +282,20 @@ impl Surfaces {
             DrivenPart::Nut => film_of_cylinder(diameter, 0.0),
         };
         Conductances {
-            nut: self.nut.unwrap_or_else(|| Guess::Nut.factor(off) * self.of_nut(phases)),
-            screw_film: self.screw_film.unwrap_or_else(|| Guess::ScrewFilm.factor(off) * film()),
-            gap: self.gap.unwrap_or(Guess::Gap.factor(off) * gap),
-            ball_nut: self.ball_nut.unwrap_or(Guess::Balls.factor(off) * ball_nut),
-            ball_screw: self.ball_screw.unwrap_or(Guess::Balls.factor(off) * ball_screw),
-            end: self.end.unwrap_or(Guess::Ends.factor(off) * bearing_conductance(diameter)),
+            nut: self
+                .nut
+                .unwrap_or_else(|| Estimate::Nut.factor(changed_estimate) * self.of_nut(phases)),
+            screw_film: self
+                .screw_film
+                .unwrap_or_else(|| Estimate::ScrewFilm.factor(changed_estimate) * film()),
+            gap: self.gap.unwrap_or(Estimate::Gap.factor(changed_estimate) * gap),
+            ball_nut: self.ball_nut.unwrap_or(Estimate::Balls.factor(changed_estimate) * ball_nut),
+            ball_screw: self
+                .ball_screw
+                .unwrap_or(Estimate::Balls.factor(changed_estimate) * ball_screw),
+            end: self
+                .end
+                .unwrap_or(Estimate::Ends.factor(changed_estimate) * bearing_conductance(diameter)),
             coolant: self.coolant,
             nut_coolant: self.nut_coolant,
         }

@@ -118,7 +118,7 @@ pub struct WarmNut<'a> {
     /// Heat that flows from the motor into end 1 of the screw \[W\].
     pub motor: f64,
     /// Temperature at which the nut was assembled and its preload was set \[K\].
-    pub set: f64,
+    pub assembly_temperature: f64,
     /// Thermal model of the axis.
     pub axis: ThermalAxis,
 }
@@ -169,7 +169,7 @@ impl WarmNut<'_> {
     /// Returns the oil temperature for given temperature rises of the nodes \[K\] (I13).
     pub fn oil(&self, [nut, screw, balls, ..]: &[f64; NODES]) -> f64 {
         // T_o = T_b/2 + (T_n + T_s)/4                                     (I13)
-        self.set + 0.5 * balls + 0.25 * (nut + screw)
+        self.assembly_temperature + 0.5 * balls + 0.25 * (nut + screw)
     }
 
     /// Returns the nut after thermal expansion due to the given temperature rises, on a screw that
@@ -179,7 +179,7 @@ impl WarmNut<'_> {
     pub fn warmed(&self, rises: &[f64; NODES], tension: f64) -> BallNut {
         let ThermalAxis { screw, .. } = &self.axis;
         let warm = self.nut.warmed([rises[0], rises[1], rises[2]], screw.expansion);
-        match screw.hold {
+        match screw.constraint {
             Some(hold) => warm.strained(screw.strain(tension), hold.poisson_ratio),
             None => warm,
         }
@@ -213,7 +213,8 @@ impl WarmNut<'_> {
         factor: f64,
         heated: &NutAtTemperature,
     ) -> Option<ModelsOfPhases> {
-        let tension = self.axis.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
+        let tension =
+            self.axis.screw.constraint.map_or(0.0, |_| self.network(factor).tension(rises));
         let (nut, oil) = (self.warmed(rises, tension), self.oil(rises));
         let of_phase = |(phase, state): (&WarmPhase, &Option<PhaseState>)| {
             let drive = phase.at(factor);
@@ -237,7 +238,8 @@ impl WarmNut<'_> {
         between_loads: f64,
         held: &[Vec<Option<BallModel>>],
     ) -> Result<NutAtTemperature, Option<NutError>> {
-        let tension = self.axis.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
+        let tension =
+            self.axis.screw.constraint.map_or(0.0, |_| self.network(factor).tension(rises));
         let (nut, oil) = (self.warmed(rises, tension), self.oil(rises));
         let unloaded = self.preload.map(|_| nut.solve(&Support::guided(0.0))).transpose()?;
         let preload = unloaded.as_ref().zip(self.preload);
@@ -268,10 +270,10 @@ impl WarmNut<'_> {
             let held = held.get(number).map_or(&[][..], Vec::as_slice);
             let friction = self.friction.sum(&nut, &found, &drive, oil, between_loads, held);
             let friction = friction.ok_or(None)?;
-            let FrictionSum { torque, contacts: [at_nut, at_screw], returns, .. } = friction;
+            let FrictionSum { torque, contacts: [at_nut, at_screw], ball_returns, .. } = friction;
             // T_x = K_x F_w h                                             (I15)
             let drag = self.drag * preload;
-            let beyond = torque - at_nut - at_screw + returns + drag;
+            let beyond = torque - at_nut - at_screw + ball_returns + drag;
             let torques = HeatSources {
                 contacts: [at_nut, at_screw],
                 balls: beyond,

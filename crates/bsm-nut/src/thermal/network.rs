@@ -30,7 +30,7 @@ pub struct ScrewBar {
     /// not transfer heat to the structure.
     pub bearings: [bool; 2],
     /// Axial constraint by two fixed bearings; `None` if the screw can expand freely.
-    pub hold: Option<AxialHold>,
+    pub constraint: Option<AxialConstraint>,
 }
 
 impl ScrewBar {
@@ -38,13 +38,14 @@ impl ScrewBar {
     /// both bearings are fixed.
     pub fn strain(&self, tension: f64) -> f64 {
         // s = F_t/(E A_s)                                                 (I5)
-        self.hold.map_or(0.0, |hold| tension / (hold.youngs_modulus * self.section))
+        self.constraint
+            .map_or(0.0, |constraint| tension / (constraint.youngs_modulus * self.section))
     }
 }
 
 /// Axial constraint of a screw by two fixed bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AxialHold {
+pub struct AxialConstraint {
     /// Stiffness of the screw in series with both bearings \[N/m\].
     pub stiffness: f64,
     /// Axial tension of the screw at the assembly temperature \[N\].
@@ -57,7 +58,7 @@ pub struct AxialHold {
 
 /// Temperatures of the surroundings relative to the assembly temperature \[K\].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sinks {
+pub struct Surroundings {
     /// Temperature of the air.
     pub air: f64,
     /// Temperature of the structure that carries the bearings.
@@ -75,7 +76,7 @@ pub struct Network {
     /// Part of the screw between its bearings.
     pub screw: ScrewBar,
     /// Temperatures of the surroundings.
-    pub sinks: Sinks,
+    pub surroundings: Surroundings,
 }
 
 /// Part of the screw on one side of the travel, modeled as a fin whose two ends have given
@@ -99,7 +100,7 @@ impl Network {
         let coolant = self.conductances.coolant / self.screw.length;
         let all = film + coolant;
         // T_f = (h_s π D T₀ + (G_c/l) T_c)/g                              (I6)
-        (all, (film * self.sinks.air + coolant * self.sinks.coolant) / all)
+        (all, (film * self.surroundings.air + coolant * self.surroundings.coolant) / all)
     }
 
     fn fin(&self) -> Fin {
@@ -137,13 +138,13 @@ impl Network {
         let lost = fin.near - fin.far;
         let [first, second] = self.screw.bearings.map(|held| if held { of.end } else { 0.0 });
         for (i, conductance, sink) in [
-            (0, of.nut, self.sinks.air),
-            (0, of.nut_coolant, self.sinks.coolant),
+            (0, of.nut, self.surroundings.air),
+            (0, of.nut_coolant, self.surroundings.coolant),
             (1, given * self.screw.travel + 2.0 * lost, around),
             (3, lost, around),
             (4, lost, around),
-            (3, first, self.sinks.structure),
-            (4, second, self.sinks.structure),
+            (3, first, self.surroundings.structure),
+            (4, second, self.surroundings.structure),
         ] {
             // M T = r + P(T)                                              (I8)
             matrix[i][i] += conductance;
@@ -173,7 +174,7 @@ impl Network {
     }
 
     /// Returns the thermal expansion of the screw if it can expand freely \[m\] (I16).
-    pub fn growth(&self, &[_, screw, _, first, second]: &[f64; NODES]) -> f64 {
+    pub fn thermal_expansion(&self, &[_, screw, _, first, second]: &[f64; NODES]) -> f64 {
         let (fin, (_, around)) = (self.fin(), self.along());
         let outside =
             |end: f64| fin.end_length * (screw + end - 2.0 * around) + fin.length * around;
@@ -184,10 +185,12 @@ impl Network {
     /// Returns the axial tension of the screw \[N\] (I17). It is negative for compression, and zero
     /// unless both bearings are fixed.
     pub fn tension(&self, rises: &[f64; NODES]) -> f64 {
-        self.screw.hold.map_or(0.0, |hold| {
-            let of_the_structure = self.screw.expansion * self.screw.length * self.sinks.structure;
+        self.screw.constraint.map_or(0.0, |constraint| {
+            let of_the_structure =
+                self.screw.expansion * self.screw.length * self.surroundings.structure;
             // F_t = F_t0 − K_ax [D_l − α_T l (T_h − T_set)]               (I17)
-            hold.pretension - hold.stiffness * (self.growth(rises) - of_the_structure)
+            constraint.pretension
+                - constraint.stiffness * (self.thermal_expansion(rises) - of_the_structure)
         })
     }
 }

@@ -9,7 +9,7 @@ use std::fmt;
 
 use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_newton::{
-    Convergence, Dense, Equations, EvalError, Homotopy, JacobianUpdate, Linearized, Options,
+    Convergence, CurveEquations, Dense, Equations, EvalError, JacobianUpdate, Linearized, Options,
     Outcome, Scales, Seed, StepControl, Trace, Workspace, solve, trace,
 };
 
@@ -72,7 +72,7 @@ const ROOT_TOLERANCE: f64 = 1e-3;
 
 /// Warm steady state of a nut.
 #[derive(Debug, Clone)]
-pub struct Steady {
+pub struct SteadyState {
     /// Temperature rise of each node above the assembly temperature \[K\].
     pub rises: [f64; NODES],
     /// Heat, loads and friction of the nut in this state.
@@ -82,12 +82,12 @@ pub struct Steady {
     /// True if, in this state, the balls would choose models or controlling raceways other than
     /// those with which the friction was calculated. The friction is discontinuous in this state,
     /// and the reported friction is the value on one side of the discontinuity.
-    pub on_jump: bool,
+    pub is_at_discontinuity: bool,
     /// Ball models with which the friction in this state was calculated.
     models: ModelsOfPhases,
 }
 
-impl Steady {
+impl SteadyState {
     /// Returns the heat that is generated at all nodes together \[W\].
     pub fn heat(&self) -> f64 {
         self.heated.heat.iter().sum()
@@ -109,18 +109,18 @@ pub struct Fold {
     /// Temperature rises of the nodes above the assembly temperature \[K\] at the fold.
     pub rises: [f64; NODES],
     /// Assembly temperature \[K\].
-    pub set: f64,
+    pub assembly_temperature: f64,
     /// Preload of the nut without external load \[N\] at the fold; `None` for a nut without
     /// preload.
     pub preload: Option<f64>,
     /// Unstable state at the given speeds, which exists if the fold is at higher speeds.
-    pub unstable: Option<Steady>,
+    pub unstable: Option<SteadyState>,
 }
 
 impl fmt::Display for Fold {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { factor, preload, .. } = self;
-        let [nut, screw, balls, ..] = celsius(self.set, &self.rises);
+        let [nut, screw, balls, ..] = celsius(self.assembly_temperature, &self.rises);
         write!(
             to,
             "the temperature of the axis runs away above {factor:.2} times the given speeds, where the nut \
@@ -132,7 +132,7 @@ impl fmt::Display for Fold {
 
 /// A point on the branch of steady states that begins at standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OnBranch {
+pub struct BranchState {
     /// Speed at this point divided by the given speed.
     pub factor: f64,
     /// Temperature rises of the nodes above the assembly temperature \[K\].
@@ -278,7 +278,7 @@ impl HeatBalance<'_> {
         let mut slopes = [[0.0; NODES]; FRICTION_NODES];
         // The temperatures of the screw ends influence the nut only if both ends of the screw are
         // held, because only then do these temperatures change the axial tension of the screw.
-        let felt = if self.nut.axis.screw.hold.is_some() { NODES } else { FRICTION_NODES };
+        let felt = if self.nut.axis.screw.constraint.is_some() { NODES } else { FRICTION_NODES };
         for k in 0..felt {
             let at = |by: f64| {
                 let mut moved = *rises;
@@ -362,7 +362,7 @@ impl HeatBalance<'_> {
         &self,
         (rises, heated): ([f64; NODES], NutAtTemperature),
         factor: f64,
-    ) -> Result<Steady, NoSteadyState> {
+    ) -> Result<SteadyState, NoSteadyState> {
         let slopes = self.slopes(&rises, factor, None).map_err(|_| NoSteadyState::NotFound)?;
         let gain = largest_real_part(&self.loop_matrix(&slopes, factor));
         let is_complete = heated.phases.iter().all(Option::is_some);
@@ -372,8 +372,8 @@ impl HeatBalance<'_> {
             self.nut.heated_to(&rises, factor, true, BETWEEN_LOADS, &self.models)?
         };
         let decided = self.nut.models(&rises, factor, &heated).ok_or(NoSteadyState::NoFriction)?;
-        let on_jump = !agree(&decided, &self.models);
-        Ok(Steady { rises, heated, gain, on_jump, models: self.models.clone() })
+        let is_at_discontinuity = !agree(&decided, &self.models);
+        Ok(SteadyState { rises, heated, gain, is_at_discontinuity, models: self.models.clone() })
     }
 
     /// Returns this heat balance with other ball models.
@@ -382,7 +382,7 @@ impl HeatBalance<'_> {
     }
 
     fn is_too_hot(&self, rises: &[f64]) -> bool {
-        rises.iter().any(|rise| self.nut.set + rise > MAX_TEMPERATURE)
+        rises.iter().any(|rise| self.nut.assembly_temperature + rise > MAX_TEMPERATURE)
     }
 
     /// Returns true if the nut still has a preload in the last state of a continuation and this
@@ -426,7 +426,7 @@ impl HeatBalance<'_> {
     fn trace_branch(
         &self,
         from: ([f64; NODES], f64),
-        longest: f64,
+        max_step: f64,
         continues: impl FnMut(&Trace<{ NODES + 1 }>) -> bool,
     ) -> Trace<{ NODES + 1 }> {
         let mut z = [from.1; NODES + 1];
@@ -434,11 +434,11 @@ impl HeatBalance<'_> {
         let towards = from_fn(|i| if i == NODES { 1.0 } else { 0.0 });
         let jacobian = JacobianUpdate::EveryTrial { chord_below: f64::INFINITY };
         let control = StepControl {
-            longest,
+            max_step,
             // A continuation step must not be shorter than the step of finite differences.
-            shortest: DIFFERENCE / SIZES.0,
+            min_step: DIFFERENCE / SIZES.0,
             root_tolerance: ROOT_TOLERANCE,
-            goal: RESIDUAL_TOLERANCE,
+            residual_goal: RESIDUAL_TOLERANCE,
             jacobian,
             ..StepControl::default()
         };
@@ -456,12 +456,13 @@ impl HeatBalance<'_> {
     fn folded(
         &self,
         z: &[f64; NODES + 1],
-        unstable: Option<Steady>,
+        unstable: Option<SteadyState>,
     ) -> Result<Fold, NoSteadyState> {
         let (rises, factor) = (from_fn(|i| z[i]), z[NODES]);
         let preload = self.nut.heated(&rises, factor, false)?.preload;
-        let (set, preload) = (self.nut.set, self.nut.preload.map(|_| preload));
-        Ok(Fold { factor, rises, set, preload, unstable })
+        let (assembly_temperature, preload) =
+            (self.nut.assembly_temperature, self.nut.preload.map(|_| preload));
+        Ok(Fold { factor, rises, assembly_temperature, preload, unstable })
     }
 }
 
@@ -503,7 +504,7 @@ impl Equations<NODES> for BalanceAtSpeed<'_> {
     }
 }
 
-impl Homotopy<NODES, { NODES + 1 }> for HeatBalance<'_> {
+impl CurveEquations<NODES, { NODES + 1 }> for HeatBalance<'_> {
     fn residual(&self, z: &[f64; NODES + 1]) -> Result<[f64; NODES], EvalError> {
         let (residual, _) = self.heat_residual(&from_fn(|i| z[i]), z[NODES])?;
         Ok(residual)
@@ -546,7 +547,7 @@ impl WarmNut<'_> {
     ///
     /// Returns [`NoSteadyState`] if there is no stable steady state. If the temperatures run away,
     /// the error contains the fold.
-    pub fn steady(&self) -> Result<Steady, NoSteadyState> {
+    pub fn steady(&self) -> Result<SteadyState, NoSteadyState> {
         self.steady_from(None)
     }
 
@@ -557,7 +558,7 @@ impl WarmNut<'_> {
     /// # Errors
     ///
     /// Returns the same errors as [`steady`](Self::steady).
-    pub fn steady_from(&self, near: Option<&[f64; NODES]>) -> Result<Steady, NoSteadyState> {
+    pub fn steady_from(&self, near: Option<&[f64; NODES]>) -> Result<SteadyState, NoSteadyState> {
         let (balance, rest) = self.at_rest()?;
         let near = near.copied().unwrap_or(rest);
         let state = match Self::steady_with_models(&balance, rest, near) {
@@ -568,7 +569,7 @@ impl WarmNut<'_> {
             }
             found => found?,
         };
-        if !state.on_jump {
+        if !state.is_at_discontinuity {
             return Ok(state);
         }
         let decided = self.models(&state.rises, 1.0, &state.heated);
@@ -586,7 +587,7 @@ impl WarmNut<'_> {
         balance: &HeatBalance<'_>,
         rest: [f64; NODES],
         near: [f64; NODES],
-    ) -> Result<Steady, NoSteadyState> {
+    ) -> Result<SteadyState, NoSteadyState> {
         let found = balance.steady_rises(near, 1.0).filter(|(rises, _)| !balance.is_too_hot(rises));
         if let Some(steady) = found {
             let state = balance.state_at(steady, 1.0)?;
@@ -619,7 +620,7 @@ impl WarmNut<'_> {
     ///
     /// Returns [`NoSteadyState`] with the reason and the speed factor if the branch ends without a
     /// fold.
-    pub fn fold(&self, state: &Steady, most: f64) -> Result<Option<Fold>, NoSteadyState> {
+    pub fn fold(&self, state: &SteadyState, most: f64) -> Result<Option<Fold>, NoSteadyState> {
         let (balance, _) = self.at_rest()?;
         let balance = balance.with_models(state.models.clone());
         let walked = balance.trace_branch((state.rises, 1.0), MAX_CONTINUATION_STEP, |trace| {
@@ -648,7 +649,7 @@ impl WarmNut<'_> {
     /// # Errors
     ///
     /// Returns [`NoSteadyState`] if no steady state exists even at low speed.
-    pub fn branch(&self, most: f64) -> Result<Vec<OnBranch>, NoSteadyState> {
+    pub fn branch(&self, most: f64) -> Result<Vec<BranchState>, NoSteadyState> {
         let (mut balance, rest) = self.at_rest()?;
         if let Ok(state) = self.steady() {
             balance = balance.with_models(state.models);
@@ -672,7 +673,7 @@ impl WarmNut<'_> {
         });
         let point = |(rises, factor, stable)| {
             let preload = self.heated(&rises, factor, false)?.preload;
-            Ok(OnBranch { factor, rises, preload, stable })
+            Ok(BranchState { factor, rises, preload, stable })
         };
         points.into_iter().map(point).collect()
     }

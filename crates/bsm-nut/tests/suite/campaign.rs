@@ -77,7 +77,11 @@ pub(crate) fn nut(rng: &mut impl Rng) -> BallNut {
     }
     if rng.random_bool(0.5) {
         let inner = pitch + 0.7 * ball;
-        nut.ring = Some(Ring { outer: 1.5 * inner, inner, youngs_modulus: 206e9 });
+        nut.ring = Some(Ring {
+            outer_diameter: 1.5 * inner,
+            inner_diameter: inner,
+            youngs_modulus: 206e9,
+        });
     }
     if rng.random_bool(0.2) {
         nut.precession = rng.log_uniform(1.0, 600.0);
@@ -263,7 +267,7 @@ fn extreme_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
 fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String> {
     let (sin_a, cos_a) = nut.helix.lead_angle.sin_cos();
     let outward = nut.ball.mass * nut.helix.radius * nut.precession * nut.precession;
-    let middle = nut.middle();
+    let middle = nut.reference_position();
     let (mut on_balls, mut forces) = ([0.0; 5], 0.0);
     for (number, (ball, position)) in found.balls.iter().zip(&found.positions).enumerate() {
         // The forces of each body on the ball are summed along binormal and principal normal.

@@ -63,7 +63,8 @@ fn stiffness_matches_the_slope_of_the_forces() {
     let mut nut = nut_with_98_balls();
     nut.nut_bar = Some(Bar { stiffness: 453e6, anchor: -0.01 });
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 0.07 });
-    nut.ring = Some(Ring { outer: 70e-3, inner: 45.826e-3, youngs_modulus: 206e9 });
+    nut.ring =
+        Some(Ring { outer_diameter: 70e-3, inner_diameter: 45.826e-3, youngs_modulus: 206e9 });
     nut.errors.lead = vec![LeadError::Wave { amplitude: 1e-6, order: 1.0, phase: 0.3 }];
     let at = [12e-6, 2e-6, -1e-6, 60e-6, -30e-6];
     let found = nut.solve(&prescribed_displacements(at)).expect("pressed");
@@ -398,9 +399,8 @@ fn friction_of_equally_loaded_balls_is_proportional_to_their_number() {
     let mut work = ModelWorkspace::default();
     let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
     let found = nut.solve(&Support::guided(6340.0)).expect("carried");
-    let mut rolling = |screw| {
-        Problem::RacewayControl(RacewayControl { at: screw, control: None }).solve(&mut work)
-    };
+    let mut rolling =
+        |screw| Problem::RacewayControl(RacewayControl { screw, control: None }).solve(&mut work);
     let all = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, &mut rolling);
     // `solves` counts how many balls are solved. All balls carry the same load, so only one of them
     // is solved.
@@ -422,7 +422,7 @@ fn friction_of_equally_loaded_balls_is_proportional_to_their_number() {
     let expected = single.efficiency().expect("solved");
     // The ball loads are accurate to 1e-12, and the ball models converge to 1e-10.
     assert_relative_eq!(all.efficiency.expect("a load"), expected, max_relative = 1e-9);
-    let heat = single.solved().expect("solved").transmission.power.expect("speed").dissipated;
+    let heat = single.steady_state().expect("solved").transmission.power.expect("speed").dissipated;
     assert_relative_eq!(all.heat.expect("all balls"), heat, max_relative = 1e-7);
 
     let pair = pair();
@@ -450,7 +450,7 @@ fn oversize_balls_cause_a_drag_torque() {
         let drive = Drive { screw_speed, nut_speed: 0.0 };
         let unused = |_: bsm_dyn::ElasticPoint| unreachable!("all balls are on both flanks");
         let all = tight.friction(&found, FlankFriction::equal(friction), &drive, 0.0, unused);
-        assert_eq!(all.on_both_flanks, 98);
+        assert_eq!(all.balls_on_both_flanks, 98);
         all.torque.expect("all balls")
     };
     let torque = drag(50.0, 0.06);

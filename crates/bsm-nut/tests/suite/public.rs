@@ -80,8 +80,8 @@ pub(crate) fn nut(case: &Value) -> BallNut {
         nut_bar: None,
         screw_bar: None,
         ring: case.get("ring").map(|ring| Ring {
-            outer: number(ring, "outer_diameter_mm").expect("mm") * 1e-3,
-            inner: number(ring, "inner_diameter_mm").expect("mm") * 1e-3,
+            outer_diameter: number(ring, "outer_diameter_mm").expect("mm") * 1e-3,
+            inner_diameter: number(ring, "inner_diameter_mm").expect("mm") * 1e-3,
             youngs_modulus: steel.youngs_modulus,
         }),
         reference: None,

@@ -103,7 +103,7 @@ impl Scene {
     fn gothic(&self) -> GothicBall {
         let (at, fit) = (self.at(1.0), self.fit);
         let far_friction = at.point.friction;
-        GothicBall { at, fit, far_friction, accuracy: 1e-8, creep: Traction::<f64>::CREEP }
+        GothicBall { screw: at, fit, far_friction, accuracy: 1e-8, creep: Traction::<f64>::CREEP }
     }
 
     fn solve(&self, condition: AxialCondition) -> GothicState {
@@ -233,9 +233,10 @@ fn ball_with_large_play_matches_the_traction_model() {
         let (scene, load) = random_scene(&mut rng);
         let scene = Scene { fit: ArchFit::WIDE, ..scene };
         let ball = scene.gothic();
-        let traction = Traction { at: scene.at(load), accuracy: ball.accuracy, creep: ball.creep };
+        let traction =
+            Traction { screw: scene.at(load), accuracy: ball.accuracy, creep: ball.creep };
         let solution = traction.solve(&mut traction_work);
-        let solved = solution.solved().expect("a ball on two contacts");
+        let solved = solution.steady_state().expect("a ball on two contacts");
         let found = ball.solve(AxialCondition::Force(load), None, work).expect("a ball");
         assert!(!found.far_flank_carries(), "{:?}", found.approaches);
         let (torque, loads) = (solved.transmission.screw_torque.expect("torque"), found.loads());
@@ -388,7 +389,7 @@ fn random_nuts_that_carry_their_load_have_a_friction_torque() {
         let work = &mut ModelWorkspace::default();
         let all = nut.friction(&found, friction, &drive, 0.0, |at| {
             let (accuracy, creep) = (1e-6, Traction::<f64>::CREEP);
-            Problem::Traction(Traction { at, accuracy, creep }).solve(work)
+            Problem::Traction(Traction { screw: at, accuracy, creep }).solve(work)
         });
         let Some(torque) = all.torque else {
             assert!(all.balls.len() < found.balls.len() && all.parts.is_none(), "{number}");
@@ -416,7 +417,7 @@ fn random_nuts_that_carry_their_load_have_a_friction_torque() {
             let fit = ArchFit { axial_play, radial_gap: -found.grooves[ball][1], oversize: 0.0 };
             let far_friction = at.point.friction;
             let creep = Traction::<f64>::CREEP;
-            let in_arches = GothicBall { at, fit, far_friction, accuracy: 1e-6, creep };
+            let in_arches = GothicBall { screw: at, fit, far_friction, accuracy: 1e-6, creep };
             let gap = in_arches.far_gap_on_two_contacts(&state).expect("a moving ball");
             // The friction integrals have a relative accuracy of 1e-6, and the elastic approaches
             // are a few micrometers. Calculated gaps are therefore accurate to about 1e-11 m.
@@ -454,9 +455,9 @@ fn friction_is_continuous_under_a_growing_side_load() {
             let found = nut.solve(&support).expect("carried");
             let friction = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, |at| {
                 let (accuracy, creep) = (1e-6, Traction::<f64>::CREEP);
-                Problem::Traction(Traction { at, accuracy, creep }).solve(work)
+                Problem::Traction(Traction { screw: at, accuracy, creep }).solve(work)
             });
-            (friction.on_both_flanks, friction.torque.expect("all balls"))
+            (friction.balls_on_both_flanks, friction.torque.expect("all balls"))
         };
         let mut changes = 0;
         let mut low = (0.0, at(0.0));

@@ -69,7 +69,7 @@ impl Case {
             contact_friction: value("ball_contact_friction"),
             exit: Exit {
                 push,
-                bend: value("return_bend_deg") * PI / 180.0,
+                bend_angle: value("return_bend_deg") * PI / 180.0,
                 friction: value("return_friction_coefficient"),
             },
             idle_drag: 0.0,
@@ -84,7 +84,7 @@ impl Case {
     }
 
     fn model(&self, at: ElasticPoint) -> Problem {
-        let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let traction = Traction { screw: at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let Some(kelvin) = self.oil else { return Problem::Traction(traction) };
         let lubricant = oil_68(kelvin).expect("an oil");
         Problem::Lubricated(LubricatedBall {
@@ -165,7 +165,7 @@ fn push_forces_and_losses_of_ball_trains_match_the_reference() {
         let largest = number(expected, "max_push_N").expect("push");
         near("largest push", train.largest_push, largest, pushes * largest);
         for (key, got) in [
-            ("touching_contacts", train.touching),
+            ("touching_contacts", train.touching_contacts),
             ("idle_balls", train.number_of(Rolling::Idle)),
             ("blocked_balls", train.number_of(Rolling::Blocked)),
         ] {
@@ -186,8 +186,8 @@ fn push_forces_and_losses_of_ball_trains_match_the_reference() {
             near("needed gap", advance.needed_gap * 1e3, value("needed_gap_mm"), rates * 600.0);
             near("rate", found.rate, value("train_rate"), rates);
             near("flux", found.flux, value("flux_1_s"), rates * 200.0);
-            near("exit", found.ends[0], value("exit_push_N"), pushes * largest);
-            near("entry", found.ends[1], value("entry_push_N"), pushes * largest);
+            near("exit", found.end_pushes[0], value("exit_push_N"), pushes * largest);
+            near("entry", found.end_pushes[1], value("entry_push_N"), pushes * largest);
             for (i, ball) in found.balls.iter().enumerate() {
                 let listed = |key: &str| expected[key][i].as_f64();
                 let same = |key, got: Option<f64>, allowed| match (got, listed(key)) {
@@ -228,7 +228,7 @@ fn back_driven_nut() -> Case {
     let mut reference = reference("T05");
     reference.inputs.contact_friction = 0.1;
     reference.inputs.spacer = 0.0;
-    reference.inputs.exit = Exit { push: ExitPush::AtExit(0.0), bend: 0.0, friction: 0.0 };
+    reference.inputs.exit = Exit { push: ExitPush::AtExit(0.0), bend_angle: 0.0, friction: 0.0 };
     reference
 }
 
@@ -249,7 +249,11 @@ fn push_force_from_the_ball_return_decreases_linearly_along_equally_loaded_balls
     reference.inputs.gaps = vec![1e-10];
     let train = solve_train(&reference);
     let behind = push_forces_from_behind(&train);
-    assert!((train.circuits[0].ends[0] - push).abs() < 1e-12, "{:?}", train.circuits[0].ends);
+    assert!(
+        (train.circuits[0].end_pushes[0] - push).abs() < 1e-12,
+        "{:?}",
+        train.circuits[0].end_pushes
+    );
     let fall = (push - behind[1]) / 37.0;
     for (number, got) in (0_u8..).zip(&behind).skip(1) {
         let want = push - fall * f64::from(38 - number);
@@ -276,14 +280,14 @@ fn friction_equals_the_sum_over_single_balls_if_the_balls_do_not_touch() {
     let needed = advance.circuits[0].needed_gap;
     reference.inputs.gaps = vec![1.001 * needed];
     let train = solve_train(&reference);
-    assert_eq!((train.touching, train.largest_push), (0, 0.0));
+    assert_eq!((train.touching_contacts, train.largest_push), (0, 0.0));
     // The ball-train calculation and the calculation for single balls solve the same equations for
     // the same balls, with residuals of 1e-10.
     assert!((train.torque() / friction - 1.0).abs() < 1e-9, "{} {friction}", train.torque());
     let gaps: f64 = train.circuits[0].balls.iter().map(|ball| ball.gap).sum();
     assert!((gaps / needed - 1.001).abs() < 1e-9, "{gaps:e} of {needed:e}");
     reference.inputs.gaps = vec![0.99 * needed];
-    assert!(solve_train(&reference).touching > 0);
+    assert!(solve_train(&reference).touching_contacts > 0);
 }
 
 #[test]
@@ -330,7 +334,7 @@ fn power_is_lost_only_at_raceways_and_ball_return_if_ball_to_ball_friction_is_ze
     reference.inputs.gaps = vec![0.2e-3];
     reference.inputs.exit.push = ExitPush::AtExit(0.5);
     let train = solve_train(&reference);
-    assert!(train.touching > 5 && train.return_torque > 0.0, "{train:?}");
+    assert!(train.touching_contacts > 5 && train.return_torque > 0.0, "{train:?}");
     assert!(train.contact_torque.abs() <= 0.0, "{}", train.contact_torque);
     assert!(train.power_balance.abs() < 1e-9, "{}", train.power_balance);
 }
@@ -437,7 +441,7 @@ fn push_forces_of_a_scaled_nut_are_proportional_to_the_square_of_the_scale() {
 fn zero_gap_and_excessive_return_force_are_rejected() {
     let mut reference = back_driven_nut();
     reference.inputs.gaps = vec![1e-16];
-    assert_eq!(reference.train(), Err(TrainError::NoRoom { circuit: 0 }));
+    assert_eq!(reference.train(), Err(TrainError::NoGap { circuit: 0 }));
     let mut reference = nut_with_equal_balls(0.0);
     reference.inputs.gaps = vec![0.2e-3];
     // Each contact of a ball carries 50 to 100 N. In full sliding with a friction coefficient of
@@ -502,7 +506,7 @@ fn random_nut(rng: &mut impl Rng) -> (Case, Equilibrium) {
             gaps,
             spacer: if rng.random_bool(0.3) { 0.1 * nut.ball.radius } else { 0.0 },
             contact_friction: if rng.random_bool(0.2) { 0.0 } else { rng.log_uniform(0.01, 0.3) },
-            exit: Exit { push, bend: rng.random_range(0.0..PI), friction: 0.1 },
+            exit: Exit { push, bend_angle: rng.random_range(0.0..PI), friction: 0.1 },
             idle_drag: if rng.random_bool(0.2) { 1e-4 * load } else { 0.0 },
         };
         let friction = Some(rng.log_uniform(0.01, 0.15));
@@ -549,7 +553,7 @@ fn random_ball_trains_are_solved_or_rejected_with_a_reason() {
         match reference.train_from_equilibrium(&found) {
             Ok(train) => {
                 solved += 1;
-                touching += usize::from(train.touching > 0);
+                touching += usize::from(train.touching_contacts > 0);
                 if let Some(wrong) = defect_of(&reference, &train) {
                     panic!("{point}: {wrong} {reference:?}");
                 }

@@ -15,9 +15,9 @@ use bsm_dyn::{
 };
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
-    AxialHold, BETWEEN_LOADS, BallLink, Coolant, HeatSources, HeldFriction, NODES, NoSteadyState,
-    ScrewBar, Sinks, Surfaces, ThermalAxis, WarmNut, WarmPhase, celsius, coolant_conductance,
-    drag_beyond_contacts,
+    AxialConstraint, BETWEEN_LOADS, BallLink, Coolant, HeatSources, HeldFriction, NODES,
+    NoSteadyState, ScrewBar, Surfaces, Surroundings, ThermalAxis, WarmNut, WarmPhase, celsius,
+    coolant_conductance, drag_beyond_contacts,
 };
 use bsm_nut::{
     BallNut, Equilibrium, FlankFriction, FrictionSum, PreloadKind, Support, TurnRatings,
@@ -72,7 +72,7 @@ fn friction_with_oil(
     thread_local!(static WORK: RefCell<ModelWorkspace> = RefCell::default());
     let lubricant = oil_68(oil)?;
     let solve = |at: ElasticPoint| {
-        let rolling = RacewayControl { at, control: Some(Control::Nut) };
+        let rolling = RacewayControl { screw: at, control: Some(Control::Nut) };
         let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
         WORK.with_borrow_mut(|work| LubricatedBall { lubricant, model }.solve(work))
     };
@@ -137,10 +137,10 @@ fn axis(case: &Value) -> WarmNut<'static> {
     let bore = number(case, "screw_bore_mm").unwrap_or(0.0) * 1e-3;
     let section = 0.25 * PI * (length_in_m(case, "shaft_diameter_mm").powi(2) - bore * bore);
     let expansion = 11.5e-6;
-    let hold = number(case, "pretension_K").map(|kelvin| {
+    let constraint = number(case, "pretension_K").map(|kelvin| {
         let bearing = number(case, "support_bearing_stiffness_N_um").expect("stiffness") * 1e6;
         let stiffness = (length / (207e9 * section) + 2.0 / bearing).recip();
-        AxialHold {
+        AxialConstraint {
             stiffness,
             pretension: stiffness * expansion * length * kelvin,
             youngs_modulus: 207e9,
@@ -155,10 +155,10 @@ fn axis(case: &Value) -> WarmNut<'static> {
         conductivity: 45.0,
         expansion,
         bearings: [true; 2],
-        hold,
+        constraint,
     };
     let air = ambient("ambient_temperature_C", 20.0) - 20.0;
-    let sinks = Sinks {
+    let surroundings = Surroundings {
         air,
         structure: ambient("structure_temperature_C", 20.0 + air) - 20.0,
         coolant: ambient("coolant_temperature_C", 20.0 + air) - 20.0,
@@ -172,9 +172,9 @@ fn axis(case: &Value) -> WarmNut<'static> {
         drag: drag_beyond_contacts(rule, contacts, preload),
         axis: ThermalAxis {
             surfaces: given_conductances(case, &nut, length),
-            off: None,
+            changed_estimate: None,
             screw,
-            sinks,
+            surroundings,
         },
         nut,
         preload: Some(PreloadKind::Offset),
@@ -184,7 +184,7 @@ fn axis(case: &Value) -> WarmNut<'static> {
         seal: number(case, "seal_torque_Nm").unwrap_or(0.0),
         bearings: number(case, "support_bearing_torque_Nm").unwrap_or(0.0),
         motor: 0.0,
-        set,
+        assembly_temperature: set,
     }
 }
 
@@ -246,7 +246,8 @@ fn warm_states_match_the_reference() {
             assert_near(&format!("{id} {name}"), found, expected, tol * expected.abs());
         };
         let ambient = number(case, "ambient_temperature_C").unwrap_or(20.0);
-        for (name, found) in NAMES.into_iter().zip(celsius(nut.set, &state.rises)) {
+        for (name, found) in NAMES.into_iter().zip(celsius(nut.assembly_temperature, &state.rises))
+        {
             let expected = number(expect, name).expect(name);
             assert_near(&format!("{id} {name}"), found, expected, tol * (expected - ambient).abs());
         }
@@ -256,10 +257,10 @@ fn warm_states_match_the_reference() {
         held("warm_preload_N", state.heated.preload);
         held("heat_W", state.heat());
         held("nut_heat_W", state.heated.heat[..3].iter().sum());
-        held("screw_growth_um", 1e6 * network.growth(&state.rises));
+        held("screw_growth_um", 1e6 * network.thermal_expansion(&state.rises));
         if expect.get("screw_tension_N").is_some() {
             held("screw_tension_N", network.tension(&state.rises));
-            held("cold_tension_N", nut.axis.screw.hold.expect("held").pretension);
+            held("cold_tension_N", nut.axis.screw.constraint.expect("held").pretension);
         }
         let gain = number(expect, "loop_gain").expect("gain");
         assert_near(&format!("{id} gain"), state.gain, gain, 1e-4);
@@ -322,7 +323,7 @@ fn thermal_folds_match_the_reference() {
         let Some(states) = expect["states"].as_array() else { continue };
         let beyond = fold.unstable.unwrap_or_else(|| panic!("{id}: no second state"));
         let (expected, tol) = (&states[1], number(&reference, "rel_tol").expect("tolerance"));
-        for (i, found) in celsius(nut.set, &beyond.rises).into_iter().enumerate() {
+        for (i, found) in celsius(nut.assembly_temperature, &beyond.rises).into_iter().enumerate() {
             let expected = expected["temperatures_C"][i].as_f64().expect("temperature");
             assert_near(&format!("{id} second {i}"), found, expected, tol * (expected - 20.0));
         }
@@ -360,14 +361,14 @@ fn uncertainty_band_matches_the_reference() {
     let nut = axis(&reference["case"]);
     let state = nut.steady().expect("steady");
     let band = nut.band(&state, (0.0, 0.0), |nut, state| {
-        let [body, screw, ..] = celsius(nut.set, &state.rises);
-        let growth = 1e6 * nut.network(1.0).growth(&state.rises);
+        let [body, screw, ..] = celsius(nut.assembly_temperature, &state.rises);
+        let growth = 1e6 * nut.network(1.0).thermal_expansion(&state.rises);
         vec![body, screw, state.heated.preload, state.heat(), growth]
     });
-    assert!(band.none.is_empty(), "{:?}", band.none);
+    assert!(band.failures.is_empty(), "{:?}", band.failures);
     let names =
         ["nut_temperature_C", "screw_temperature_C", "warm_preload_N", "heat_W", "screw_growth_um"];
-    for (name, found) in names.into_iter().zip(&band.ends) {
+    for (name, found) in names.into_iter().zip(&band.limits) {
         for (side, found) in found.iter().enumerate() {
             let expected = reference["expect"]["band"][name][side].as_f64().expect("end");
             assert_near(&format!("{name} {side}"), *found, expected, 1e-3 * expected);
@@ -424,11 +425,11 @@ fn heat_dissipated_to_the_surroundings_equals_generated_heat() {
         let of = network.conductances;
         let film = of.screw_film * PI * nut.axis.screw.diameter;
         let through = of.coolant / nut.axis.screw.length;
-        let mean = network.growth(&state.rises) / nut.axis.screw.expansion;
-        let lost = of.nut * (body - nut.axis.sinks.air)
-            + of.end * (first + second - 2.0 * nut.axis.sinks.structure)
-            + film * (mean - nut.axis.screw.length * nut.axis.sinks.air)
-            + through * (mean - nut.axis.screw.length * nut.axis.sinks.coolant);
+        let mean = network.thermal_expansion(&state.rises) / nut.axis.screw.expansion;
+        let lost = of.nut * (body - nut.axis.surroundings.air)
+            + of.end * (first + second - 2.0 * nut.axis.surroundings.structure)
+            + film * (mean - nut.axis.screw.length * nut.axis.surroundings.air)
+            + through * (mean - nut.axis.screw.length * nut.axis.surroundings.coolant);
         assert_near("heat", lost, state.heat(), 1e-9 * state.heat());
     }
 }
@@ -745,8 +746,8 @@ fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
     let friction = load_proportional_friction(1.0);
     let base = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let at = |by: f64| {
-        let sinks = Sinks { air: by, structure: by, coolant: by };
-        WarmNut { axis: ThermalAxis { sinks, ..base.axis }, ..base.clone() }
+        let surroundings = Surroundings { air: by, structure: by, coolant: by };
+        WarmNut { axis: ThermalAxis { surroundings, ..base.axis }, ..base.clone() }
     };
     let state = base.steady().expect("steady");
     let [up, down] = [0.05, -0.05].map(|by| at(by).steady().expect("steady").rises);
@@ -800,7 +801,8 @@ fn friction_interpolated_between_loads_matches_the_sum_over_all_balls() {
     let found = warm.solve(&Support::guided(1500.0)).expect("carried");
     let drive = Drive { screw_speed: 80.0, nut_speed: 0.0 };
     let solve = |at: ElasticPoint| {
-        RacewayControl { at, control: Some(Control::Nut) }.solve(&mut RacewayWorkspace::default())
+        RacewayControl { screw: at, control: Some(Control::Nut) }
+            .solve(&mut RacewayWorkspace::default())
     };
     let friction = FlankFriction::equal(0.06);
     let sum = warm.friction_sum(&found, friction, &drive, BETWEEN_LOADS, &[], |at, _| solve(at));
@@ -832,7 +834,7 @@ fn friction_is_continuous_when_balls_lose_their_load() {
         let lubricant = oil_68(320.0).expect("an oil");
         let mut work = ModelWorkspace::default();
         let solve = |at: ElasticPoint| {
-            let rolling = RacewayControl { at, control: Some(Control::Nut) };
+            let rolling = RacewayControl { screw: at, control: Some(Control::Nut) };
             let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
             LubricatedBall { lubricant, model }.solve(&mut work)
         };
@@ -869,7 +871,7 @@ fn preload_change_matches_the_first_order_formula() {
     };
     let (sin, cos) = nut.contact_angle.sin_cos();
     let along = nut.helix.lead_angle.cos();
-    let approach = 0.5 * nut.preload_setting(PreloadKind::Offset) * sin * along;
+    let approach = 0.5 * nut.preload_offset(PreloadKind::Offset) * sin * along;
     // The first balls of the two bodies are four turns apart.
     let half = 2.0 * nut.helix.lead();
     let rise = expansion * 0.1;
@@ -926,10 +928,10 @@ fn random_axes_have_a_steady_state_or_are_rejected_with_a_reason() {
         nut.axis.surfaces.gap = Some(rng.log_uniform(0.1, 5.0));
         nut.axis.surfaces.end = Some(rng.log_uniform(1.0, 30.0));
         nut.axis.surfaces.coolant = rng.random_range(-60.0_f64..60.0).max(0.0);
-        nut.axis.sinks.air = rng.random_range(-30.0..30.0);
-        nut.axis.sinks.structure = nut.axis.sinks.air + rng.random_range(-5.0..5.0);
+        nut.axis.surroundings.air = rng.random_range(-30.0..30.0);
+        nut.axis.surroundings.structure = nut.axis.surroundings.air + rng.random_range(-5.0..5.0);
         if rng.random_bool(0.7) {
-            nut.axis.screw.hold = None;
+            nut.axis.screw.constraint = None;
         }
         match nut.steady() {
             Ok(state) => {

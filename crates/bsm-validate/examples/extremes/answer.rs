@@ -91,7 +91,7 @@ pub(crate) fn classify(case: &Case, model: ModelChoice, work: &mut ModelWorkspac
         return Answer::new(Severity::Wrong, "panic".to_owned());
     };
     let reason = solution.reason().map(name).unwrap_or_default();
-    let others = solution.solved().and_then(|solved| Some(solved.alternatives?.count));
+    let others = solution.steady_state().and_then(|solved| Some(solved.alternatives?.count));
     let record = Record::new(solution);
     let mut answer = Answer::new(record.status().into(), String::new());
     answer.time = time;
@@ -186,7 +186,9 @@ fn name(reason: &Reason) -> String {
     let name: String = text.chars().take_while(char::is_ascii_alphanumeric).collect();
     match reason {
         Reason::Newton { status, .. } => format!("{name} {status:?}"),
-        Reason::NoSkidAtInertia { inertia, least, most } if (least..=most).contains(&inertia) => {
+        Reason::NoSkidAtInertia { inertia_ratio, min, max }
+            if (min..=max).contains(&inertia_ratio) =>
+        {
             format!("{name}, in a gap")
         }
         _ => name,

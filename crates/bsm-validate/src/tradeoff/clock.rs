@@ -230,7 +230,7 @@ impl<'a> Bench<'a> {
         let count = |case: &Case| {
             let problem = case.problem(&setting.settings)?;
             let (solution, cost) = cost_of(|| problem.solve(work));
-            let info = solution.solved().and_then(|solved| solved.info);
+            let info = solution.steady_state().and_then(|solved| solved.info);
             Ok((info.map(|info| info.steps as f64), cost))
         };
         self.points.cases.iter().map(count).collect()

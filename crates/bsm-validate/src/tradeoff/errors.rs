@@ -115,7 +115,7 @@ impl Reference {
         let settings = reference_settings();
         let points = cases.iter().map(|case| {
             let solution = case.problem(&settings)?.solve(work);
-            let regime = solution.solved().and_then(|solved| solved.skid?.regime());
+            let regime = solution.steady_state().and_then(|solved| solved.skid?.regime());
             Ok(regime.map(|regime| (regime, solution)))
         });
         let points: Vec<_> = points.collect::<Result<_, CaseError>>()?;
@@ -153,7 +153,7 @@ impl Reference {
         let mut answers = Vec::with_capacity(cases.len());
         for case in cases {
             let solution = case.problem(settings)?.solve(work);
-            answers.push(Some(solution).filter(|solution| solution.solved().is_some()));
+            answers.push(Some(solution).filter(|solution| solution.steady_state().is_some()));
         }
         let errors = |(group, places): &(_, Vec<_>)| self.errors_of(*group, places, &answers);
         Ok(groups.iter().map(errors).collect())
@@ -170,7 +170,7 @@ impl Reference {
         let bounds: Vec<_> = pairs
             .iter()
             .filter_map(|(ours, exact)| {
-                Some((ours.solved()?.error?.efficiency, efficiency(ours, exact)?))
+                Some((ours.steady_state()?.error?.efficiency, efficiency(ours, exact)?))
             })
             .collect();
         let broken = bounds.iter().filter(|(bound, error)| error > bound).count();
@@ -179,7 +179,7 @@ impl Reference {
             solved: share(pairs.len(), places.len()),
             efficiency: distribution(efficiency),
             torque: distribution(|ours, exact| {
-                let torque = |s: &Solution| s.solved()?.transmission.screw_torque;
+                let torque = |s: &Solution| s.steady_state()?.transmission.screw_torque;
                 relative(torque(ours)?, torque(exact)?)
             }),
             loads: distribution(|ours, exact| {

@@ -29,7 +29,7 @@ fn solutions_of_the_tradeoff_study_match_the_committed_data() {
         let row = row.expect("a row");
         let solution = case.problem(&settings).expect("complete").solve(&mut work);
         assert_eq!(solution.status(), Status::Converged);
-        motions.extend(solution.solved().and_then(|solved| solved.skid?.regime()));
+        motions.extend(solution.steady_state().and_then(|solved| solved.skid?.regime()));
         let record = bsm_case::Record::new(solution);
         for (place, output) in &outputs {
             let golden: f64 = row[*place].parse().expect("a number");

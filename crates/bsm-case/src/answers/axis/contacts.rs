@@ -56,7 +56,7 @@ pub(super) fn band(
 ) -> Option<[f64; 2]> {
     let problem = case.at_point(load.abs(), load.signum() * speed).problem(settings).ok()?;
     let solution = problem.solve(work);
-    Some(problem.band(solution.solved()?, work)?.loss)
+    Some(problem.loss_interval(solution.steady_state()?, work)?.loss)
 }
 
 /// Returns the viscosity ratio for the lubricant film at the nut or at the screw, whichever is
@@ -72,8 +72,8 @@ pub(super) fn viscosity_ratio(
     work: &mut ModelWorkspace,
 ) -> Option<f64> {
     let problem = case.at_point(load.abs(), speed.abs()).problem(settings).ok()?;
-    let film = problem.solve(work).solved()?.film?;
-    Some(viscosity_ratio_by_film(film.nut.least_ratio.min(film.screw.least_ratio)))
+    let film = problem.solve(work).steady_state()?.film?;
+    Some(viscosity_ratio_by_film(film.nut.min_ratio.min(film.screw.min_ratio)))
 }
 
 /// Returns true if friction is calculated from the catalog efficiency. This is the case if the
@@ -148,12 +148,12 @@ pub(super) fn contacts(
     // The model expects a positive load. The speed is negative if the load back-drives the screw.
     let case = case.at_point(load.abs(), load.signum() * speed);
     let solution = case.problem(settings)?.solve(work);
-    let powers = solution.solved().and_then(|solved| {
+    let powers = solution.steady_state().and_then(|solved| {
         let dissipated = solved.transmission.power.as_ref()?.dissipated;
         let at_raceways = solved.contact_power?;
         (dissipated > 0.0).then(|| at_raceways.map(|power| power / dissipated))
     });
-    let far_flank = solution.solved().and_then(|solved| solved.far_flank);
+    let far_flank = solution.steady_state().and_then(|solved| solved.far_flank);
     let third_share = far_flank.and_then(|far| Some(far.contact?.power_share));
     let record = Record::new(solution);
     let torque =

@@ -90,20 +90,20 @@ impl Heating {
         let Some(axis) = thermal_axis(case, machine, link)? else { return Ok(None) };
         let phases = phases(machine);
         let mean_of = |network: &Network, rises: &[f64; NODES]| {
-            vec![network.growth(rises) / unit_growth - air]
+            vec![network.thermal_expansion(rises) / unit_growth - air]
         };
         let motor = crate::InputKey::motor_heat_W;
         let given = HeatSources { motor: case.number(motor), ..given };
         let found =
             rises(&axis, &phases, &given).zip(axis.band(&phases, (&given, &missing), mean_of).ok());
         Ok(found.map(|((network, rises), band)| {
-            let growth = network.growth(&rises);
+            let growth = network.thermal_expansion(&rises);
             Self {
                 nodes: Some((rises.map(|rise| rise - air), network.conductances)),
                 growth,
                 mean: growth / unit_growth - air,
                 over_bed: growth / unit_growth - bed,
-                band: Some(band.ends[0]),
+                band: Some(band.limits[0]),
             }
         }))
     }

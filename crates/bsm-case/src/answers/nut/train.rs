@@ -22,8 +22,8 @@ quantities! { pub(crate) CIRCUITS, read_circuit(&OneCircuit<'_>);
         needed_gap_mm ["mm"] Scalar(|c| Some(c.needed / MM)), "needed gap: smallest sum of the gaps between the balls at which no balls touch";
         train_rate [""] Scalar(|c| Some(c.train.rate)), "precession of touching balls relative to the nut / relative speed";
         flux_1_s ["1/s"] Scalar(|c| Some(c.train.flux)), "number of balls that pass per second";
-        exit_push_N ["N"] Scalar(|c| Some(c.train.ends[0])), "force of the return on the last ball in the loaded part";
-        entry_push_N ["N"] Scalar(|c| Some(c.train.ends[1])), "force of the first ball on the balls in the return";
+        exit_push_N ["N"] Scalar(|c| Some(c.train.end_pushes[0])), "force of the return on the last ball in the loaded part";
+        entry_push_N ["N"] Scalar(|c| Some(c.train.end_pushes[1])), "force of the first ball on the balls in the return";
     }
 }
 
@@ -150,7 +150,7 @@ impl NutReport {
             Ok(train) => train,
             Err(why) => return Some(not_pushed(why)),
         };
-        let touch = if train.touching > 0 { "touch" } else { "do not touch" };
+        let touch = if train.touching_contacts > 0 { "touch" } else { "do not touch" };
         let needed = self.advance()?.circuits.iter().map(|circuit| circuit.needed_gap);
         // The note reports the circuit with the largest ratio of needed gap to given gap.
         let part = |gaps: &(f64, f64)| gaps.0 / gaps.1;
@@ -181,8 +181,8 @@ impl NutReport {
         let circuits = nut.circuits.iter().enumerate();
         // The loaded arc may temporarily hold one additional ball, because a ball can enter the arc
         // while another ball leaves it.
-        let crowded =
-            circuits.filter(|(i, circuit)| count(circuit.balls) > nut.room(*i, spacer) + 1.0);
+        let crowded = circuits
+            .filter(|(i, circuit)| count(circuit.balls) > nut.ball_capacity(*i, spacer) + 1.0);
         let mut warnings: Vec<_> = crowded
             .map(|(i, circuit)| {
                 format!("{} balls are too many: {}.", circuit.balls, room_message(nut, i, spacer))

@@ -31,7 +31,7 @@ pub(super) fn bodies(case: &Case, mut nut: BallNut, body: &NutBody) -> Result<Ba
     let youngs_modulus = nut.material.0.youngs_modulus;
     nut.ring = (entries.ring_expansion == Some(true)).then(|| {
         let [_, inner] = nut.groove_diameters();
-        Ring { outer: body.outer, inner, youngs_modulus }
+        Ring { outer_diameter: body.outer, inner_diameter: inner, youngs_modulus }
     });
     Ok(nut)
 }

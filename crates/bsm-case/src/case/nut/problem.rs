@@ -286,7 +286,7 @@ impl NutProblem {
             let before = force(&cold)?;
             let warm =
                 if self.rises.is_some() || self.strain.is_some() { force(&nut)? } else { before };
-            let (setting, approach) = (cold.preload_setting(by), cold.preload_approach(by));
+            let (setting, approach) = (cold.preload_offset(by), cold.preload_approach(by));
             (before > 0.0 || warm > 0.0).then_some(NutPreload {
                 by,
                 cold: before,

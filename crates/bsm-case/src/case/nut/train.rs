@@ -27,7 +27,7 @@ pub(crate) fn room_message(nut: &BallNut, circuit: usize, spacer: f64) -> String
     format!(
         "circuit {circuit} is {:.0} mm long and has room for {} balls with a diameter of {} mm",
         arc * nut.helix.arc_length_per_radian() / MM,
-        nut.room(circuit, spacer),
+        nut.ball_capacity(circuit, spacer),
         format_exact(2.0 * nut.ball.radius / MM)
     )
 }
@@ -91,7 +91,7 @@ impl BallGaps {
             contact_friction,
             exit: Exit {
                 push,
-                bend: case.number(K::return_bend_deg) * DEG,
+                bend_angle: case.number(K::return_bend_deg) * DEG,
                 friction: case.number(K::return_friction_coefficient),
             },
             idle_drag: case.number(K::idle_ball_drag_N),

@@ -29,7 +29,7 @@ pub(crate) struct ColdNut {
     /// Equilibrium of the preloaded nut without external load. The guides prevent tilting.
     pub(super) unloaded: Option<Equilibrium>,
     /// Temperature at which the preload is set \[K\].
-    set: f64,
+    assembly_temperature: f64,
 }
 
 impl ColdNut {
@@ -53,7 +53,14 @@ impl ColdNut {
         let (nut, preload, found) = (at_rest.nut, at_rest.preload, at_rest.found);
         let unloaded = preload.map(|_| nut.solve(&Support::guided(0.0)));
         let unloaded = unloaded.transpose().map_err(CaseError::Nut)?;
-        Ok(Self { problem, nut, found, preload, unloaded, set: set_temperature(case) })
+        Ok(Self {
+            problem,
+            nut,
+            found,
+            preload,
+            unloaded,
+            assembly_temperature: set_temperature(case),
+        })
     }
 
     /// Returns the data for the heat transfer through the balls. The contact areas are calculated
@@ -80,7 +87,7 @@ impl ColdNut {
         let slow = Drive { screw_speed: SLOW, nut_speed: 0.0 };
         let contacts = self
             .problem
-            .sum(&self.nut, found, &slow, self.set, BETWEEN_LOADS, &[])
+            .sum(&self.nut, found, &slow, self.assembly_temperature, BETWEEN_LOADS, &[])
             .map_or(0.0, |friction| friction.torque);
         let screw = &machine.axis.screw;
         let rule = drag_torque(preload.cold, screw.lead, screw.lead_angle());
@@ -150,7 +157,7 @@ impl<'a> WarmAxis<'a> {
             seal: case.number(InputKey::seal_torque_Nm),
             bearings: case.number(InputKey::support_bearing_torque_Nm),
             motor: case.number(InputKey::motor_heat_W),
-            set: cold.set,
+            assembly_temperature: cold.assembly_temperature,
             axis,
         })
     }

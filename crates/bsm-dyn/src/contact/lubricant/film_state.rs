@@ -36,7 +36,7 @@ pub struct ContactFilm<F = f64> {
     /// Film ratio `$\lambda$`: film thickness divided by the combined roughness of both surfaces.
     pub ratio: F,
     /// Film ratio at the minimum film thickness, which occurs at the edge of the contact (Y36).
-    pub least_ratio: F,
+    pub min_ratio: F,
     /// Asperity load share `$\xi$`: fraction of the load that asperities carry.
     pub asperity_share: F,
     /// Mean friction coefficient: sliding power divided by the sliding power that a friction
@@ -48,7 +48,7 @@ pub struct ContactFilm<F = f64> {
     pub entrainment: F,
     /// Dimensionless load parameter `$M$` in the formula for the rolling force (Y17). If `$M$` is
     /// below about 10, (Y7) underestimates the film thickness.
-    pub elasticity: F,
+    pub load_parameter: F,
     /// Local friction law of the contact, for slip speeds in m/s.
     pub law: MixedFriction<F>,
 }

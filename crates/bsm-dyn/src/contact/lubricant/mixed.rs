@@ -108,7 +108,7 @@ impl<D: Real> MixedFriction<D> {
     /// Returns the friction coefficient that would result if the oil reached its limiting shear
     /// stress everywhere in the contact.
     #[inline(always)]
-    pub fn most(&self) -> D {
+    pub fn max_friction(&self) -> D {
         self.asperity_share * self.boundary + (-self.asperity_share + 1.0) * self.limiting_shear
     }
 }

@@ -6,7 +6,7 @@
 
 use bsm_kin::{Motion, Real, RealOver, relative_rotation};
 
-use super::operating_point::AnswerUnits;
+use super::operating_point::ResultUnits;
 use super::state::{BallState, ContactState, HertzContact, Slip};
 use crate::contact::{
     Axes, Ball, Curvatures, Groove, Hertz, Raceway, Sines, binormal_displacement, max_pressure,
@@ -232,7 +232,7 @@ impl<F: Real> GrooveContact<F> {
         let contact = Self {
             offset: groove.offset(one),
             pressed_radius: pressed_radius(groove.conformity, one),
-            hertz: Hertz::on(&Axes::in_practice(target), &curvatures, size.modulus),
+            hertz: Hertz::with_axes(&Axes::of_practical_ratio(target), &curvatures, size.modulus),
             curvatures,
         };
         (contact, practice & curvatures.transverse.gt(one.constant(0.0)))
@@ -329,7 +329,7 @@ impl<F: Real> ElasticMotion<F> {
         ball: &ScaledBall<F>,
         (angles, sides): ([F; 2], &[LoadedContact<F>; 2]),
         displacement: F,
-        units: &AnswerUnits<F>,
+        units: &ResultUnits<F>,
     ) -> BallState<F> {
         let (w, length) = (units.speed, units.length);
         let mut contacts = [ContactState::at_angle(angles[0]), ContactState::at_angle(angles[1])];

@@ -5,7 +5,7 @@ use bsm_kin::Scalar;
 use crate::contact::Wrench;
 
 /// Number of unknowns and of equations of one ball.
-pub(crate) const BALL: usize = 7;
+pub(crate) const BALL_UNKNOWNS: usize = 7;
 
 /// Indices of the unknowns of one ball. Index 1 is
 /// [`UNLOADED_FLANK_LOAD`](unknown::UNLOADED_FLANK_LOAD) in the rigid model and
@@ -43,7 +43,7 @@ pub(crate) mod equation {
 }
 
 /// Names of the equations in the order of [`equation`].
-pub(crate) const ROWS: [&str; BALL] = [
+pub(crate) const EQUATION_NAMES: [&str; BALL_UNKNOWNS] = [
     "force balance along the helix (t)",
     "force balance along the contact normal (N)",
     "force balance across the groove (e_x)",
@@ -55,7 +55,7 @@ pub(crate) const ROWS: [&str; BALL] = [
 
 /// Combines the residuals of the Newton-Euler equations of the ball and of the axial force balance
 /// of the nut into one array.
-pub(crate) fn rows<D: Scalar>(residual: &Wrench<D>, axial_load: D) -> [D; BALL] {
+pub(crate) fn residual_rows<D: Scalar>(residual: &Wrench<D>, axial_load: D) -> [D; BALL_UNKNOWNS] {
     let [force, moment] = [residual.force, residual.moment];
     [force.x, force.y, force.z, moment.x, moment.y, moment.z, axial_load]
 }

@@ -11,8 +11,8 @@ use bsm_kin::{BallFrame, Contact, Helix, Motion, Over, Scalar, Site};
 use bsm_newton::EvalError;
 
 use super::ball_contacts::{ElasticMotion, LoadedContact, ScaledBall};
-use super::ball_unknowns::BALL;
-use super::operating_point::{BallUnits, OperatingPoint};
+use super::ball_unknowns::BALL_UNKNOWNS;
+use super::operating_point::{OperatingPoint, ScaledPoint};
 use super::sensitivity::Performance;
 use super::state::{BallState, Transmission};
 use crate::contact::{
@@ -23,7 +23,7 @@ use crate::ellipse::{
     Ellipse, Integrate, Patch, Placement, contact_motion, pressed_radius, slip_scale,
 };
 use crate::models::ball::ball_unknowns;
-use crate::outcome::{Direction, NoAnswer, Reason};
+use crate::outcome::{Direction, Reason, SolveFailure};
 
 /// An operating point of a ball screw whose balls have one elastic contact with the nut and one
 /// with the screw.
@@ -106,11 +106,11 @@ impl<D: Scalar> ElasticPoint<D> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the inputs are invalid.
-    pub(crate) fn scaled(&self) -> Result<ElasticContacts<D>, NoAnswer> {
+    /// Returns [`SolveFailure`] if the inputs are invalid.
+    pub(crate) fn scaled(&self) -> Result<ElasticContacts<D>, SolveFailure> {
         // Lengths are divided by r_b, forces by F_a, and speeds by W (R1)  (P1)
-        let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
-        let hertz = self.hertz().map_err(NoAnswer::invalid)?;
+        let ScaledPoint { helix, mass, nut_speed, direction } = self.point.scaled()?;
+        let hertz = self.hertz().map_err(SolveFailure::invalid)?;
         let (r_b, load) = (self.point.ball.radius, self.point.load.per_ball());
         let one = D::from(1.0);
         let [nut_offset, screw_offset] = self.grooves().map(|groove| groove.offset(one));
@@ -247,7 +247,7 @@ impl<P: Scalar> ElasticContacts<P> {
         nut: D,
     ) -> Result<BallLoads<D>, EvalError> {
         let (jones, approaches) = self.pressed(loads)?;
-        let (screw, displacement) = jones.opposite(approaches, nut)?;
+        let (screw, displacement) = jones.screw_angle(approaches, nut)?;
         // The triad is aligned with the normal at A; the normal at B is tilted by β_B − β_A  (P8)
         let frame = BallFrame::turned(D::from(self.helix.lead_angle), nut);
         let contacts =
@@ -292,13 +292,13 @@ impl<P: Scalar> ElasticContacts<P> {
         loaded: &BallLoads<D>,
         motion: &Motion<D>,
         wrenches: &[Wrench<D>; 2],
-    ) -> [D; BALL] {
+    ) -> [D; BALL_UNKNOWNS] {
         let ball = Ball { radius: D::from(1.0), mass: D::from(self.scaled.mass) };
         let [nut, screw] = *wrenches;
         let radius = D::from(self.helix.radius);
         let residual = newton_euler(&(nut + screw), &ball, radius, motion, &loaded.frame);
         // Σ F − m r_m P² n = 0,  Σ M − P k × Iω = 0,  F_nut·k − F_a = 0   (P5)
-        ball_unknowns::rows(&residual, axial_force(&nut.force, &loaded.frame) - 1.0)
+        ball_unknowns::residual_rows(&residual, axial_force(&nut.force, &loaded.frame) - 1.0)
     }
 
     /// Returns the friction powers of the contact ellipses at the nut and the screw, divided by
@@ -409,19 +409,19 @@ impl ElasticPoint {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if a contact angle is not in \[0, π/2). At an angle of 0, the contact
-    /// is at the bottom of the gothic arch, where the ball touches the other flank. At π/2, the
-    /// contact normal is axial, and no groove extends beyond this point.
+    /// Returns [`SolveFailure`] if a contact angle is not in \[0, π/2). At an angle of 0, the
+    /// contact is at the bottom of the gothic arch, where the ball touches the other flank. At π/2,
+    /// the contact normal is axial, and no groove extends beyond this point.
     pub(crate) fn ball_state(
         &self,
         contacts: &ElasticContacts,
         loaded: &BallLoads<f64>,
         to_nut: &Motion<f64>,
         friction_in_balance: bool,
-    ) -> Result<BallState, NoAnswer> {
+    ) -> Result<BallState, SolveFailure> {
         let angles @ [nut, screw] = loaded.angles;
         if !angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
-            return Err(NoAnswer::not_converged(Reason::BallLeavesFlank { nut, screw }));
+            return Err(SolveFailure::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
         let (scaled, motions) = (&contacts.scaled, to_both(to_nut, &loaded.frame));
         let touch = |i: usize| (&motions[i], &loaded.contacts[i]);
@@ -450,12 +450,12 @@ impl ElasticPoint {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the power balance is violated.
+    /// Returns [`SolveFailure`] if the power balance is violated.
     pub(crate) fn transmission_at(
         &self,
         torque: f64,
         friction_power: f64,
-    ) -> Result<Transmission, NoAnswer> {
+    ) -> Result<Transmission, SolveFailure> {
         let ideal = self.point.ideal_torque();
         self.point.units().transmission(ideal, torque, friction_power).balanced()
     }

@@ -3,10 +3,10 @@
 use bsm_kin::Jet;
 use bsm_newton::EvalError;
 
-use super::ball_unknowns::BALL;
+use super::ball_unknowns::BALL_UNKNOWNS;
 
 /// Reusable buffers for solving `N` equations with Newton's method.
-pub(crate) type Workspace<const N: usize = BALL> = bsm_newton::Workspace<N>;
+pub(crate) type Workspace<const N: usize = BALL_UNKNOWNS> = bsm_newton::Workspace<N>;
 
 /// Converts the values of unknowns into jets that carry the derivatives with respect to these
 /// unknowns.

@@ -15,7 +15,7 @@ use crate::contact::{
     Roughness, Wrench, contact_modulus,
 };
 use crate::ellipse::{Integrate, Placement, Quadrature, Rules, lubricated_friction};
-use crate::outcome::NoAnswer;
+use crate::outcome::SolveFailure;
 
 /// Magnitude of the load exponent in the film thickness formula (Y7) (dimensionless).
 pub(crate) const FILM_LOAD_EXPONENT: f64 = 0.067;
@@ -23,7 +23,7 @@ pub(crate) const FILM_LOAD_EXPONENT: f64 = 0.067;
 /// Constants of one lubricated contact in SI units, independent of load and speed. Storing these
 /// constants avoids repeated evaluation of powers.
 #[derive(Debug, Clone, Copy)]
-struct Gap<P> {
+struct FilmConstants<P> {
     /// Radius along the track `$R_x = 1/\rho_t$`.
     radius: P,
     /// Ratio `$b/a$` of the semi-axis along the groove to the semi-axis across the groove.
@@ -33,22 +33,22 @@ struct Gap<P> {
     /// Combined roughness of both surfaces.
     roughness: P,
     /// Factor that converts speed to dimensionless speed `$U$` (Y6).
-    rate: P,
+    speed_factor: P,
     /// Factor that converts load to dimensionless load `$W$` (Y6).
-    weight: P,
+    load_factor: P,
     /// Ratio of `$L^{0.62}$` in (Y8) to `$U^{1.24}$`.
-    heat: P,
+    heating_factor: P,
     /// Ratio of the film thickness (Y7) to `$U^{0.67}W^{-0.067}\varphi_T$`.
-    film: P,
+    film_factor: P,
     /// Ratio of the load parameter `$M$` (Y17) to `$W\,U_2^{-3/4}$`.
-    elastic: P,
+    load_parameter_factor: P,
     /// Coefficient of `$U_2^{-1/12}$` in (Y16).
-    rigid: P,
+    rigid_coefficient: P,
     /// Constant `$c$` of (Y16).
-    flat: P,
+    constant_c: P,
     /// Ratio of the rolling force (Y16) to the product of the semi-axis, the bracketed term,
     /// `$\varphi_T$` and `$U_2^{3/4}$`.
-    rolling: P,
+    rolling_factor: P,
 }
 
 /// Lubrication data of an operating point, from which film thickness, friction and rolling
@@ -58,7 +58,7 @@ pub struct EhlPoint<P = f64> {
     lubricant: Lubricant<P>,
     /// Oil properties at the oil temperature.
     pub oil: OilState<P>,
-    gaps: [Gap<P>; 2],
+    constants: [FilmConstants<P>; 2],
     pub(crate) units: EhlUnits<P>,
 }
 
@@ -111,12 +111,12 @@ impl<P: Real> EhlPoint<P> {
     ) -> Self {
         let oil = lubricant.oil.at(kelvin);
         let Roughness { nut, screw, .. } = lubricant.roughness;
-        let of = (lubricant, &oil, modulus * 2.0);
-        let gaps = [
-            Gap::of(of, &curvatures[0], &hertz[0], nut),
-            Gap::of(of, &curvatures[1], &hertz[1], screw),
+        let material = (lubricant, &oil, modulus * 2.0);
+        let constants = [
+            FilmConstants::of(material, &curvatures[0], &hertz[0], nut),
+            FilmConstants::of(material, &curvatures[1], &hertz[1], screw),
         ];
-        Self { lubricant: *lubricant, oil, gaps, units }
+        Self { lubricant: *lubricant, oil, constants, units }
     }
 
     /// Calculates the oil film for a load and a motion in contact coordinates.
@@ -134,7 +134,7 @@ impl<P: Real> EhlPoint<P> {
         k_c: D,
         creep: f64,
     ) -> ScaledFilm<D> {
-        let (Self { lubricant, oil, units, .. }, gap) = (self, &self.gaps[i]);
+        let (Self { lubricant, oil, units, .. }, constants) = (self, &self.constants[i]);
         // u_t = ½ [ω_c − P (d + 2 k_c)]                                   (Y14)
         let along = (around - speed) * 0.5 - rate * k_c;
         // u = √(u_t² + v_e²)                                              (Y14)
@@ -142,28 +142,30 @@ impl<P: Real> EhlPoint<P> {
         let (speed, force) = (entrainment * units.speed, load * units.load);
         let zero = load.constant(0.0);
         // U = η u/(E' R_x),  W = Q/(E' R_x²)                              (Y6)
-        let (log_rate, weight) = ((speed * gap.rate).ln(), force * gap.weight);
+        let (log_rate, weight) =
+            ((speed * constants.speed_factor).ln(), force * constants.load_factor);
         // φ_T = 1/(1 + 0.254 L^0.62)                                      (Y8)
-        let heat = (log_rate * (2.0 * 0.62)).exp() * gap.heat;
+        let heat = (log_rate * (2.0 * 0.62)).exp() * constants.heating_factor;
         let heating = (heat * 0.254 + 1.0).recip();
         // h ~ U^0.67 W^−0.067 φ_T                                         (Y7)
-        let thickness =
-            (log_rate * 0.67 - weight.ln() * FILM_LOAD_EXPONENT).exp() * gap.film * heating;
+        let thickness = (log_rate * 0.67 - weight.ln() * FILM_LOAD_EXPONENT).exp()
+            * constants.film_factor
+            * heating;
         // λ = h/√(R_q,ball² + R_q,raceway²),  ξ = e^{−1.4λ}               (Y9)
-        let ratio = thickness * gap.roughness.recip();
+        let ratio = thickness * constants.roughness.recip();
         let share = (ratio * -1.4).exp();
-        let semi_axis = force.cbrt() * gap.semi_axis;
-        let short = semi_axis * gap.flatness;
+        let semi_axis = force.cbrt() * constants.semi_axis;
+        let short = semi_axis * constants.flatness;
         let max_pressure = force * 1.5 / (semi_axis * short * PI);
         let law = MixedFriction::of(
             (oil, lubricant.oil.limiting_shear, lubricant.boundary_friction),
             (thickness, share, max_pressure),
             units.speed,
         );
-        let rolling = gap.rolling_force(log_rate, weight, semi_axis) * heating;
+        let rolling = constants.rolling_force(log_rate, weight, semi_axis) * heating;
         // C = 2 F_R R_x + (3/16) c_h Q b                                  (Y18)
-        let couple =
-            rolling * gap.radius * 2.0 + force * short * lubricant.hysteresis_loss * (3.0 / 16.0);
+        let couple = rolling * constants.radius * 2.0
+            + force * short * lubricant.hysteresis_loss * (3.0 / 16.0);
         ScaledFilm {
             rolling_speed: along,
             entrainment,
@@ -172,7 +174,7 @@ impl<P: Real> EhlPoint<P> {
             law,
             force: rolling * units.load.recip(),
             couple: couple * (units.load * units.length).recip(),
-            lever: zero + (gap.radius * 2.0 / units.length - 1.0),
+            lever: zero + (constants.radius * 2.0 / units.length - 1.0),
         }
     }
 }
@@ -193,23 +195,29 @@ pub struct FilmLoss<F = f64> {
     pub semi_axes: (F, F),
     /// Ratio of minimum to central film thickness (Y36) and load parameter `$M$` (Y17), calculated
     /// only if requested.
-    pub inlet: [F; 2],
+    pub ratio_and_load_parameter: [F; 2],
 }
 
 impl<F: Real> FilmLoss<F> {
     #[inline(always)]
     fn film(&self, units: &EhlUnits<F>) -> ContactFilm<F> {
-        let Self { film, sliding, unit, inlet: [least_part, elasticity], .. } = *self;
+        let Self {
+            film,
+            sliding,
+            unit,
+            ratio_and_load_parameter: [min_to_central_ratio, load_parameter],
+            ..
+        } = *self;
         ContactFilm {
             thickness: film.thickness,
             ratio: film.ratio,
-            least_ratio: film.ratio * least_part,
+            min_ratio: film.ratio * min_to_central_ratio,
             asperity_share: film.law.asperity_share,
             // μ_c = P_s/P_s(1)                                            (Y22)
             friction: sliding / unit,
             rolling_moment: film.couple * units.load * units.length,
             entrainment: film.entrainment * units.speed,
-            elasticity,
+            load_parameter,
             law: film.law.in_unit(units.speed),
         }
     }
@@ -286,11 +294,11 @@ fn film_heating<F: Real>(
 /// power loss as with the lubricant (Y30).
 ///
 /// * `power`: sum of sliding and rolling power.
-/// * `of_one`: sliding power that would result with a friction coefficient of one.
+/// * `unit_power`: sliding power that would result with a friction coefficient of one.
 #[inline(always)]
-fn equivalent_friction<F: Real>(power: F, of_one: F) -> F {
+fn equivalent_friction<F: Real>(power: F, unit_power: F) -> F {
     // f_eq = (P_s + P_r)/Σ P_s(1)                                         (Y30)
-    power / of_one
+    power / unit_power
 }
 
 /// Returns the friction coefficient of a plain thread that has the same efficiency as the ball
@@ -310,10 +318,10 @@ impl EhlPoint {
     /// Returns the dimensionless load parameter `$M$` at the nut (0) or the screw (1) (Y17).
     ///
     /// * `load`: normal load in scaled units.
-    pub(crate) fn elasticity(&self, i: usize, load: f64, film: &ScaledFilm<f64>) -> f64 {
-        let gap = &self.gaps[i];
-        let root = (2.0 * film.entrainment * self.units.speed * gap.rate).powf(0.75);
-        gap.elasticity(root, load * self.units.load * gap.weight)
+    pub(crate) fn load_parameter(&self, i: usize, load: f64, film: &ScaledFilm<f64>) -> f64 {
+        let constants = &self.constants[i];
+        let root = (2.0 * film.entrainment * self.units.speed * constants.speed_factor).powf(0.75);
+        constants.load_parameter(root, load * self.units.load * constants.load_factor)
     }
 
     /// Returns the ratio of minimum to central film thickness at the nut (0) or the screw (1)
@@ -322,13 +330,14 @@ impl EhlPoint {
     /// * `load`: normal load in scaled units.
     ///
     /// Source: Hamrock and Dowson (1977).
-    pub(crate) fn least_part(&self, i: usize, load: f64, film: &ScaledFilm<f64>) -> f64 {
-        let gap = &self.gaps[i];
-        let rate = film.entrainment * self.units.speed * gap.rate;
-        let weight = load * self.units.load * gap.weight;
-        let stiffening = self.oil.pressure_viscosity / (gap.weight * gap.radius.powi(2));
-        let edge = 1.0 - (-0.68 / gap.flatness).exp();
-        let middle = 1.0 - 0.61 * (-0.73 / gap.flatness).exp();
+    pub(crate) fn min_to_central_ratio(&self, i: usize, load: f64, film: &ScaledFilm<f64>) -> f64 {
+        let constants = &self.constants[i];
+        let rate = film.entrainment * self.units.speed * constants.speed_factor;
+        let weight = load * self.units.load * constants.load_factor;
+        let stiffening =
+            self.oil.pressure_viscosity / (constants.load_factor * constants.radius.powi(2));
+        let edge = 1.0 - (-0.68 / constants.flatness).exp();
+        let middle = 1.0 - 0.61 * (-0.73 / constants.flatness).exp();
         // h_min/h = (3.63/2.69) U^0.01 G^−0.04 W^−0.006 (1 − e^{−0.68κ})/(1 − 0.61 e^{−0.73κ})  (Y36)
         3.63 / 2.69 * rate.powf(0.01) * stiffening.powf(-0.04) * weight.powf(-0.006) * edge / middle
     }
@@ -339,13 +348,13 @@ impl<P: Scalar> EhlPoint<P> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the inputs are invalid.
+    /// Returns [`SolveFailure`] if the inputs are invalid.
     pub(crate) fn new(
         screw: &ElasticPoint<P>,
         lubricant: &Lubricant<P>,
         temperature: P,
-    ) -> Result<Self, NoAnswer> {
-        let hertz = screw.hertz().map_err(NoAnswer::invalid)?;
+    ) -> Result<Self, SolveFailure> {
+        let hertz = screw.hertz().map_err(SolveFailure::invalid)?;
         let relative = screw.point.drive.relative_speed();
         let length = screw.point.ball.radius;
         let units = EhlUnits {
@@ -358,7 +367,7 @@ impl<P: Scalar> EhlPoint<P> {
     }
 }
 
-impl<P: Real> Gap<P> {
+impl<P: Real> FilmConstants<P> {
     /// Creates the constants of the lubricated contact between ball and raceway.
     ///
     /// * `modulus`: reduced modulus `$E' = 2 E^*$` \[Pa\].
@@ -373,7 +382,7 @@ impl<P: Real> Gap<P> {
         let Hertz { flatness, semi_axis, second_integral, .. } = *hertz;
         let radius = curvatures.longitudinal.recip();
         // U = η u/(E' R_x),  G = α E',  W = Q/(E' R_x²)                   (Y6)
-        let rate = oil.viscosity / (modulus * radius);
+        let speed_factor = oil.viscosity / (modulus * radius);
         let stiffening = (oil.pressure_viscosity * modulus).powf(0.53);
         // h = 2.69 R_x U^0.67 G^0.53 W^−0.067 (1 − 0.61 e^{−0.73κ}) φ_T φ_s  (Y7)
         let shape = -(flatness.recip() * -0.73).exp() * 0.61 + 1.0;
@@ -383,23 +392,27 @@ impl<P: Real> Gap<P> {
         let log_inlet = inlet.ln();
         // L = η β u²/k                                                    (Y8)
         let conductivity = lubricant.oil.base.conductivity();
-        let heat =
-            oil.viscosity * oil.temperature_coefficient * conductivity.recip() / rate.square();
+        let heat = oil.viscosity * oil.temperature_coefficient * conductivity.recip()
+            / speed_factor.square();
         Self {
             radius,
             flatness,
             semi_axis,
             roughness: (lubricant.roughness.ball.square() + raceway.square()).sqrt(),
-            rate,
-            weight: (modulus * radius.square()).recip(),
-            heat: heat.powf(0.62),
-            film: radius * stiffening * shape * lubricant.film_factor * 2.69,
+            speed_factor,
+            load_factor: (modulus * radius.square()).recip(),
+            heating_factor: heat.powf(0.62),
+            film_factor: radius * stiffening * shape * lubricant.film_factor * 2.69,
             // Factor B^{1/4} k of M                                       (Y17)
-            elastic: (log_inlet * 0.25).exp() * flatness,
+            load_parameter_factor: (log_inlet * 0.25).exp() * flatness,
             // Factor 0.77 B^{−1/3} k^0.12, and constant c = 1.8 B^{−1/4}  (Y16)
-            rigid: (flatness.ln() * 0.12 - log_inlet * (1.0 / 3.0)).exp() * 0.77,
-            flat: (log_inlet * -0.25).exp() * 1.8,
-            rolling: radius * modulus * lubricant.rolling_factor * lubricant.film_factor * 2.0,
+            rigid_coefficient: (flatness.ln() * 0.12 - log_inlet * (1.0 / 3.0)).exp() * 0.77,
+            constant_c: (log_inlet * -0.25).exp() * 1.8,
+            rolling_factor: radius
+                * modulus
+                * lubricant.rolling_factor
+                * lubricant.film_factor
+                * 2.0,
         }
     }
 
@@ -408,9 +421,9 @@ impl<P: Real> Gap<P> {
     /// * `root`: power `$U_2^{3/4}$` of the dimensionless speed.
     /// * `weight`: dimensionless load `$W$`.
     #[inline(always)]
-    fn elasticity<D: RealOver<P>>(&self, root: D, weight: D) -> D {
+    fn load_parameter<D: RealOver<P>>(&self, root: D, weight: D) -> D {
         // M = B^{1/4} k W U₂^{−3/4}                                       (Y17)
-        weight * self.elastic / root
+        weight * self.load_parameter_factor / root
     }
 
     /// Returns the rolling force due to the oil in the inlet, without the effect of heating \[N\]
@@ -423,11 +436,11 @@ impl<P: Real> Gap<P> {
         // U₂ = 2 η u/(E' R_x)                                             (Y17)
         let log = log_rate + std::f64::consts::LN_2;
         let root = (log * 0.75).exp();
-        let elastic = self.elasticity(root, weight);
+        let elastic = self.load_parameter(root, weight);
         // F_R = c_R φ_s φ_T E' R_x² (2a/R_x) [(0.77 B^{−1/3} k^0.12 U₂^{−1/12} − c)/(1 + M/6.6) + c] U₂^{3/4}  (Y16)
-        let rigid = (log * (-1.0 / 12.0)).exp() * self.rigid;
-        let both = (rigid - self.flat) / (elastic * 6.6_f64.recip() + 1.0) + self.flat;
-        semi_axis * both * root * self.rolling
+        let rigid = (log * (-1.0 / 12.0)).exp() * self.rigid_coefficient;
+        let both = (rigid - self.constant_c) / (elastic * 6.6_f64.recip() + 1.0) + self.constant_c;
+        semi_axis * both * root * self.rolling_factor
     }
 }
 
@@ -476,13 +489,13 @@ impl<P: Scalar> EhlPoint<P> {
     pub(crate) fn mean_loss<D: Over<P>>(
         &self,
         i: usize,
-        of: (&ElasticContacts<P>, &BallLoads<D>),
+        ball: (&ElasticContacts<P>, &BallLoads<D>),
         motion: &Motion<D>,
         creep: f64,
         unit: D,
     ) -> EhlLoss<D> {
-        let loss = self.loss_of(i, of, motion, creep, unit);
-        let mean = loss.film.mean_friction(of.0.signed(unit / of.1.loads[i]));
+        let loss = self.loss_of(i, ball, motion, creep, unit);
+        let mean = loss.film.mean_friction(ball.0.signed(unit / ball.1.loads[i]));
         EhlLoss { sliding: mean * unit, ..loss }
     }
 
@@ -499,11 +512,13 @@ impl<P: Scalar> EhlPoint<P> {
         sliding: D,
     ) -> EhlLoss<D> {
         let (film, axis, around) = self.film_at(i, (contacts, loaded), motion, creep);
-        let [push, couple] = film.resist(around, creep);
+        let [force, couple] = film.rolling_resistance(around, creep);
         // M = r × F_h + C_h                                               (Y32)
-        let wrench = Wrench { force: BallFrame::tangent() * push, moment: axis * (push + couple) };
+        let wrench =
+            Wrench { force: BallFrame::tangent() * force, moment: axis * (force + couple) };
         let speed = motion.precession * D::from(contacts.scaled.arc);
-        let rolling = contacts.signed(ScaledFilm::resisted([push, couple], speed, around));
+        let rolling =
+            contacts.signed(ScaledFilm::rolling_resistance_power([force, couple], speed, around));
         EhlLoss { film, wrench: wrench * contacts.signed(D::from(1.0)), sliding, rolling }
     }
 
@@ -540,21 +555,21 @@ impl<D: Real> ScaledFilm<D> {
     ///
     /// * `transverse`: angular velocity about `$t \times N$` relative to the raceway.
     #[inline(always)]
-    pub fn resist(&self, transverse: D, creep: f64) -> [D; 2] {
+    pub fn rolling_resistance(&self, transverse: D, creep: f64) -> [D; 2] {
         // F_h = (2 R_x/r_b − 1) F_R (u_t/u) t                             (Y19)
-        let push = self.lever * self.force * self.rolling_speed / self.entrainment;
+        let force = self.lever * self.force * self.rolling_speed / self.entrainment;
         // C_h = −C ω_x/√(ω_x² + (v_e/r_b)²) e_x                           (Y20)
         let twist = self.couple * transverse / (transverse.square() + creep * creep).sqrt();
-        [push, -twist]
+        [force, -twist]
     }
 
     /// Returns the power that is dissipated by the rolling resistance.
     ///
     /// * `speed`, `around`: speeds as in [`EhlPoint::of_motion`].
     #[inline(always)]
-    pub fn resisted([push, couple]: [D; 2], speed: D, around: D) -> D {
+    pub fn rolling_resistance_power([force, couple]: [D; 2], speed: D, around: D) -> D {
         // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
-        -(push * (speed + around)) - couple * around
+        -(force * (speed + around)) - couple * around
     }
 }
 
@@ -611,8 +626,9 @@ impl EhlPoint {
         creep: f64,
     ) -> f64 {
         let motions = to_both(to_nut, &loaded.frame);
-        let of = (contacts, loaded);
-        let [nut, screw] = [0, 1].map(|i| self.film_at(i, of, &motions[i], creep).0.law.most());
+        let ball = (contacts, loaded);
+        let [nut, screw] =
+            [0, 1].map(|i| self.film_at(i, ball, &motions[i], creep).0.law.max_friction());
         nut.max(screw)
     }
 }

@@ -6,7 +6,7 @@ use bsm_kin::{Drive, Helix, Real, Scalar};
 
 use super::state::Transmission;
 use crate::contact::{Ball, Coulomb, Load, ideal_torque};
-use crate::outcome::{Direction, NoAnswer, Reason};
+use crate::outcome::{Direction, Reason, SolveFailure};
 
 /// Minimum inertia ratio (dimensionless). Above this limit, the square of the inertia ratio and the
 /// ratios of inertia forces to loads are representable in double precision. Even extreme operating
@@ -61,7 +61,7 @@ pub struct OperatingPoint<D = f64> {
 /// An operating point in scaled units, which are multiples of the ball radius, the axial load per
 /// ball and the relative speed.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct BallUnits<D> {
+pub(crate) struct ScaledPoint<D> {
     /// Helix of the ball centers, whose radius is the ratio `$r_m/r_b$` in scaled units.
     pub(crate) helix: Helix<D>,
     /// Dimensionless mass of the ball `$m r_b W^2/F_a$`.
@@ -74,7 +74,7 @@ pub(crate) struct BallUnits<D> {
 
 /// Factors that convert a scaled result to SI units.
 #[derive(Debug, Clone, Copy)]
-pub struct AnswerUnits<F = f64> {
+pub struct ResultUnits<F = f64> {
     /// Ball radius `$r_b$` \[m\].
     pub length: F,
     /// Axial load per ball `$F_a$` \[N\].
@@ -85,7 +85,7 @@ pub struct AnswerUnits<F = f64> {
     pub speed: F,
 }
 
-impl<F: Real> AnswerUnits<F> {
+impl<F: Real> ResultUnits<F> {
     /// Returns true if the load back-drives the screw.
     #[inline(always)]
     pub fn back(&self) -> F::Mask {
@@ -101,16 +101,16 @@ impl<F: Real> AnswerUnits<F> {
     #[inline(always)]
     pub fn transmission(&self, ideal: F, torque: F, friction_power: F) -> Transmission<F> {
         Transmission::of(self.back(), ideal, torque * self.torque, self.speed)
-            .against(friction_power * self.torque * self.speed)
+            .with_power_balance(friction_power * self.torque * self.speed)
     }
 }
 
 impl<D: Scalar> OperatingPoint<D> {
     /// Returns the factors that convert a scaled result to SI units.
-    pub(crate) fn units(&self) -> AnswerUnits<D> {
+    pub(crate) fn units(&self) -> ResultUnits<D> {
         let (length, load) = (self.ball.radius, self.load);
         let speed = self.drive.relative_speed();
-        AnswerUnits { length, load: load.per_ball(), torque: length * load.axial, speed }
+        ResultUnits { length, load: load.per_ball(), torque: length * load.axial, speed }
     }
 
     /// Returns the operating point without derivatives.
@@ -131,9 +131,9 @@ impl<D: Scalar> OperatingPoint<D> {
     /// # Errors
     ///
     /// Returns [`Reason::Frictionless`] if the friction coefficient is too small.
-    pub(crate) fn require_friction(&self) -> Result<(), NoAnswer> {
+    pub(crate) fn require_friction(&self) -> Result<(), SolveFailure> {
         if !is_friction_in_range(self.friction.0.re()) {
-            return Err(NoAnswer::invalid(Reason::Frictionless));
+            return Err(SolveFailure::invalid(Reason::Frictionless));
         }
         Ok(())
     }
@@ -145,18 +145,19 @@ impl<D: Scalar> OperatingPoint<D> {
     ///
     /// Returns [`Reason::NoRelativeSpeed`] if the nut and the screw turn at the same speed, and
     /// [`Reason::InertiaOutOfRange`] if the inertia ratio is too small or too large.
-    pub(crate) fn in_own_units(&self) -> Result<BallUnits<D>, NoAnswer> {
+    pub(crate) fn scaled(&self) -> Result<ScaledPoint<D>, SolveFailure> {
         let Self { helix, ball, drive, load, .. } = self;
         let w = drive.relative_speed();
-        let direction = Direction::of(w.re()).ok_or(NoAnswer::invalid(Reason::NoRelativeSpeed))?;
+        let direction =
+            Direction::of(w.re()).ok_or(SolveFailure::invalid(Reason::NoRelativeSpeed))?;
         let helix = Helix { radius: helix.radius / ball.radius, ..*helix };
         let mass = ball.scaled_mass(w, load.per_ball());
         let nut_speed = drive.nut_speed / w;
         let inertia_ratio = (mass * helix.radius).re();
         if !is_inertia_in_range(inertia_ratio) || !nut_speed.re().is_finite() {
-            return Err(NoAnswer::invalid(Reason::InertiaOutOfRange { inertia_ratio }));
+            return Err(SolveFailure::invalid(Reason::InertiaOutOfRange { inertia_ratio }));
         }
-        Ok(BallUnits { helix, mass, nut_speed, direction })
+        Ok(ScaledPoint { helix, mass, nut_speed, direction })
     }
 
     /// Returns the torque of the frictionless screw \[N·m\].

@@ -10,7 +10,7 @@ use bsm_kin::{Jet, Scalar};
 use bsm_newton::{Equations, EvalError, NoSlopes, implicit_slopes};
 
 use super::equations::Workspace;
-use crate::outcome::{NoAnswer, Reason, domain_error};
+use crate::outcome::{Reason, SolveFailure, domain_error};
 
 /// Efficiency and torque of a screw at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,14 +51,14 @@ pub(crate) fn moving_root<const N: usize, const M: usize>(
     weights: &[f64; N],
     residual: impl FnOnce(&[Jet<M>; N]) -> Result<[Jet<M>; N], EvalError>,
     newton: &mut Workspace<N>,
-) -> Result<[Jet<M>; N], NoAnswer> {
+) -> Result<[Jet<M>; N], SolveFailure> {
     // F_p = ∂F(x, p)/∂p at constant x                                     (V1)
     let by_inputs = residual(&x.map(Jet::from)).map_err(domain_error)?;
     let mut columns: [[f64; N]; M] = from_fn(|i| from_fn(|row| by_inputs[row].eps[i]));
     // dx/dp = −J⁻¹ F_p                                                    (V2)
     implicit_slopes(system, x, weights, &mut columns, newton).map_err(|error| match error {
         NoSlopes::Refused(error) => domain_error(error),
-        NoSlopes::Singular(_) => NoAnswer::not_converged(Reason::SingularRoot),
+        NoSlopes::Singular(_) => SolveFailure::not_converged(Reason::SingularRoot),
     })?;
     Ok(from_fn(|row| Jet { re: x[row], eps: from_fn(|i| columns[i][row]) }))
 }

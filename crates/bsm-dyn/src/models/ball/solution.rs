@@ -4,7 +4,7 @@ use bsm_kin::Site;
 
 use super::model::Model;
 use super::state::{ContactState, SteadyState};
-use crate::outcome::{Evidence, NoAnswer, Reason, Status};
+use crate::outcome::{Evidence, Reason, SolveFailure, Status};
 
 /// Result of one model at one operating point.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,7 +13,7 @@ pub struct Solution {
     /// The model that was solved.
     pub model: Model,
     /// The steady state, or the reason why there is none.
-    pub answer: Result<SteadyState, NoAnswer>,
+    pub result: Result<SteadyState, SolveFailure>,
     /// Reason why the model `auto` chose this model; `None` if the model was specified by the
     /// caller.
     pub choice: Option<Choice>,
@@ -21,48 +21,48 @@ pub struct Solution {
 
 impl Solution {
     /// Creates the solution of a specified model.
-    pub fn new(model: Model, answer: Result<SteadyState, NoAnswer>) -> Self {
-        Self { model, answer, choice: None }
+    pub fn new(model: Model, result: Result<SteadyState, SolveFailure>) -> Self {
+        Self { model, result, choice: None }
     }
 
     /// Returns the status of the solve.
     pub fn status(&self) -> Status {
-        self.answer.as_ref().map_or_else(NoAnswer::status, |_| Status::Converged)
+        self.result.as_ref().map_or_else(SolveFailure::status, |_| Status::Converged)
     }
 
     /// Returns the reason why there is no steady state; `None` if the solve converged.
     pub fn reason(&self) -> Option<&Reason> {
-        self.answer.as_ref().err().map(NoAnswer::reason)
+        self.result.as_ref().err().map(SolveFailure::reason)
     }
 
     /// Returns the evidence that no solution exists; `None` unless the status is
     /// [`Status::NoSolution`].
     pub fn evidence(&self) -> Option<Evidence> {
-        self.answer.as_ref().err()?.evidence()
+        self.result.as_ref().err()?.evidence()
     }
 
     /// Returns the steady state; `None` if the solve did not converge.
-    pub fn solved(&self) -> Option<&SteadyState> {
-        self.answer.as_ref().ok()
+    pub fn steady_state(&self) -> Option<&SteadyState> {
+        self.result.as_ref().ok()
     }
 
     /// Returns the contact at the given flank; `None` if the solve failed or the model does not
     /// include this contact.
     pub fn contact(&self, site: Site) -> Option<&ContactState> {
-        self.solved()?.ball.contact(site)
+        self.steady_state()?.ball.contact(site)
     }
 
     /// Returns the efficiency; `None` if the solve did not converge.
     pub fn efficiency(&self) -> Option<f64> {
-        Some(self.solved()?.transmission.efficiency)
+        Some(self.steady_state()?.transmission.efficiency)
     }
 
     /// Returns true if friction prevents motion in the given direction of the power flow; `None` if
     /// this is unknown.
     pub fn self_locking(&self) -> Option<bool> {
-        match &self.answer {
+        match &self.result {
             Ok(solved) => Some(solved.transmission.self_locking),
-            Err(none) => match none.reason() {
+            Err(failure) => match failure.reason() {
                 Reason::SelfLocking { .. } | Reason::FrictionHoldsLoad { .. } => Some(true),
                 _ => None,
             },

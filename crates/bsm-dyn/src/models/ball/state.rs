@@ -7,7 +7,7 @@
 use bsm_kin::{Motion, Real, Site};
 
 use crate::contact::{FilmState, POWER_BALANCE_TOL, Power, efficiency};
-use crate::outcome::{Control, Direction, NoAnswer, Reason, named};
+use crate::outcome::{Control, Direction, Reason, SolveFailure, named};
 
 /// State of the ball in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -370,7 +370,7 @@ impl<F: Real> Transmission<F> {
     /// Adds the relative error of the power balance, calculated from a friction power \[W\].
     #[inline(always)]
     #[must_use]
-    pub fn against(self, friction_power: F) -> Self {
+    pub fn with_power_balance(self, friction_power: F) -> Self {
         let power_balance = self.power.as_ref().map(
             #[inline(always)]
             |power| power.imbalance(friction_power),
@@ -394,12 +394,12 @@ impl Transmission {
     ///
     /// Returns [`Reason::PowerDoesNotBalance`] if the error of the power balance exceeds the
     /// tolerance.
-    pub(crate) fn balanced(self) -> Result<Self, NoAnswer> {
+    pub(crate) fn balanced(self) -> Result<Self, SolveFailure> {
         if self.is_balanced() {
             return Ok(self);
         }
         let imbalance = self.power_balance.unwrap_or(f64::NAN);
-        Err(NoAnswer::not_converged(Reason::PowerDoesNotBalance { imbalance }))
+        Err(SolveFailure::not_converged(Reason::PowerDoesNotBalance { imbalance }))
     }
 }
 

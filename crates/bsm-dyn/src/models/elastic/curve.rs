@@ -8,22 +8,22 @@ use std::array::from_fn;
 use bsm_kin::Jet;
 use bsm_newton::{EventRoot, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace};
 
-use super::forces::CURVE;
+use super::forces::CURVE_UNKNOWNS;
 use super::states::{SlidingBall, SlidingPoint};
 use super::steady::{CurveState, LOG_NO_INERTIA, STRAIGHTNESS_TOL};
-use crate::cost::{count_of, searched};
-use crate::models::ball::{BALL, ElasticContacts, Evidence, NoAnswer, Reason};
+use crate::cost::{count_of, count_search};
+use crate::models::ball::{BALL_UNKNOWNS, ElasticContacts, Evidence, Reason, SolveFailure};
 
 /// Step control along the equilibrium curve. Step lengths are in units of the scales of the
 /// unknowns. Following a curve usually takes about thirty steps. Roots are refined afterwards by
 /// Newton's method.
 const STEP_CONTROL: StepControl = StepControl {
-    first: 1.0,
-    longest: 1.0,
-    shortest: 1e-4,
+    first_step: 1.0,
+    max_step: 1.0,
+    min_step: 1e-4,
     pair_resolution: 1e-4,
     max_points: 4000,
-    goal: 1e-8,
+    residual_goal: 1e-8,
     root_tolerance: 0.05,
     jacobian: JacobianUpdate::EveryStep,
 };
@@ -31,12 +31,12 @@ const STEP_CONTROL: StepControl = StepControl {
 /// Step control for a continuation whose roots are not refined by Newton's method. The roots are
 /// accurate to rounding errors.
 const EXACT_STEP_CONTROL: StepControl =
-    StepControl { goal: 1e-15, root_tolerance: 1e-14, ..STEP_CONTROL };
+    StepControl { residual_goal: 1e-15, root_tolerance: 1e-14, ..STEP_CONTROL };
 
 /// Maximum distance between a root found by continuation and the same root after refinement by
 /// Newton's method, in units of the scales of the unknowns. The limit is twice the root tolerance
 /// of [`STEP_CONTROL`].
-const MAX_REFINEMENT: f64 = 0.1;
+const MAX_REFINEMENT_DISTANCE: f64 = 0.1;
 
 /// A steady motion on the equilibrium curve, and the sign of its precession rate `$P/W$`.
 type CurveRoot = (SlidingPoint<f64>, f64);
@@ -47,16 +47,16 @@ type CurveRoot = (SlidingPoint<f64>, f64);
 ///
 /// # Errors
 ///
-/// Returns [`NoAnswer`] if no root exists or if the search fails.
+/// Returns [`SolveFailure`] if no root exists or if the search fails.
 pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
-) -> Result<([f64; BALL], usize), NoAnswer> {
+) -> Result<([f64; BALL_UNKNOWNS], usize), SolveFailure> {
     // First, Newton's method is started from the beginning of the equilibrium curve.
     let ball = SlidingBall::from(contacts);
     let direct = ball.direct_root(contacts.contact_angle.tan().recip(), true, any);
     let mut steps = count_of(direct.steps);
-    if direct.found || (any && direct.steady) {
+    if direct.is_first_root || (any && direct.steady) {
         return Ok((ball.unknowns(&direct.at, direct.rate.signum()), steps));
     }
 
@@ -79,16 +79,16 @@ impl<'a> SlidingCurve<'a> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root exists or if the search fails.
-    fn root(&mut self) -> Result<CurveRoot, NoAnswer> {
+    /// Returns [`SolveFailure`] if no root exists or if the search fails.
+    fn root(&mut self) -> Result<CurveRoot, SolveFailure> {
         // Newton's method refines the roots that a coarse continuation finds. If the refinement
         // converges to a different root, the continuation is repeated with accurate step control.
         let found = self.trace(&STEP_CONTROL).or_else(|| self.trace(&EXACT_STEP_CONTROL));
-        found.unwrap_or(Err(NoAnswer::LOST))
+        found.unwrap_or(Err(SolveFailure::SEARCH_FAILED))
     }
 
     /// Returns the state of the ball (forces and motion) at a point of the equilibrium curve.
-    fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint<f64>> {
+    fn state_at(&self, z: &[f64; CURVE_UNKNOWNS]) -> Option<SlidingPoint<f64>> {
         let (state, _) = self.ball.state_at(z)?;
         Some(SlidingPoint { state, motion: self.ball.motion(&state) })
     }
@@ -102,25 +102,26 @@ impl<'a> SlidingCurve<'a> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the screw is self-locking, if the inertia is out of range, or if the
-    /// beginning of the curve is not found.
-    fn of(contacts: &ElasticContacts, steps: &'a mut usize) -> Result<Self, NoAnswer> {
+    /// Returns [`SolveFailure`] if the screw is self-locking, if the inertia is out of range, or if
+    /// the beginning of the curve is not found.
+    fn of(contacts: &ElasticContacts, steps: &'a mut usize) -> Result<Self, SolveFailure> {
         let ball = SlidingBall::from(contacts);
         let friction_term = ball.friction / ball.cot;
-        if !ball.carries() {
+        if !ball.can_carry_load() {
             let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
-            return Err(NoAnswer::none(Evidence::Proof, locks));
+            return Err(SolveFailure::no_solution(Evidence::Proof, locks));
         }
-        let beginning = ball.beginning(contacts.contact_angle, steps).ok_or(NoAnswer::LOST)?;
+        let beginning =
+            ball.beginning(contacts.contact_angle, steps).ok_or(SolveFailure::SEARCH_FAILED)?;
         let start = ball.state_without_inertia(beginning, true);
         let mut curve = Self { ball, start, steps };
         curve.count(start.steps);
-        if !start.found {
-            return Err(NoAnswer::LOST);
+        if !start.converged {
+            return Err(SolveFailure::SEARCH_FAILED);
         }
         if curve.rise() < 0.0 {
             let reason = Reason::InertiaOutOfRange { inertia_ratio: ball.inertia_ratio };
-            return Err(NoAnswer::invalid(reason));
+            return Err(SolveFailure::invalid(reason));
         }
         Ok(curve)
     }
@@ -133,8 +134,8 @@ impl<'a> SlidingCurve<'a> {
 
     /// Follows the whole equilibrium curve and returns the first root, or the reason why there is
     /// no root. Returns `None` if a root cannot be refined.
-    fn trace(&mut self, control: &StepControl) -> Option<Result<CurveRoot, NoAnswer>> {
-        searched();
+    fn trace(&mut self, control: &StepControl) -> Option<Result<CurveRoot, SolveFailure>> {
+        count_search();
         let inertia = self.ball.inertia_ratio;
         let start = self.start;
         // `seen` contains the smallest and the largest inertia ratio at which the ball is on its
@@ -153,7 +154,7 @@ impl<'a> SlidingCurve<'a> {
             |z, way| self.events(z, way),
             |Trace { crossings, last: z, .. }| {
                 for at in &crossings[known..] {
-                    let node = if control.goal > EXACT_STEP_CONTROL.goal {
+                    let node = if control.residual_goal > EXACT_STEP_CONTROL.residual_goal {
                         let node = self.refined(at);
                         refined &= node.is_some();
                         node
@@ -190,20 +191,20 @@ impl<'a> SlidingCurve<'a> {
             return Some(Ok(root));
         }
         if end != PathEnd::Ended && (end != PathEnd::Lost || admissible) {
-            return Some(Err(NoAnswer::LOST));
+            return Some(Err(SolveFailure::SEARCH_FAILED));
         }
         let reason = match seen {
-            Some((least, most)) => Reason::NoSkidAtInertia { inertia, least, most },
+            Some((min, max)) => Reason::NoSkidAtInertia { inertia_ratio: inertia, min, max },
             None => Reason::SlipAlongFriction { slip: start.at.motion.slip[0] },
         };
         let evidence = Evidence::Traced { resolution: STEP_CONTROL.pair_resolution };
-        Some(Err(NoAnswer::none(evidence, reason)))
+        Some(Err(SolveFailure::no_solution(evidence, reason)))
     }
 
     /// Returns the residuals of (S26) for `$P/W > 0$` and for `$P/W < 0$`, each with its derivative
     /// along the equilibrium curve.
-    fn events(&self, z: &[f64; CURVE], way: &[f64; CURVE]) -> [(f64, f64); 2] {
-        let along: [Jet<1>; CURVE] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
+    fn events(&self, z: &[f64; CURVE_UNKNOWNS], way: &[f64; CURVE_UNKNOWNS]) -> [(f64, f64); 2] {
+        let along: [Jet<1>; CURVE_UNKNOWNS] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
         self.ball.state_at(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
             let point = SlidingPoint { state, motion: self.ball.motion(&state) };
             let residual = self.ball.inertia_residuals(&point);
@@ -213,21 +214,21 @@ impl<'a> SlidingCurve<'a> {
 
     /// Returns the steady motion near a zero crossing of (S26), accurate to rounding errors.
     /// Returns `None` if Newton's method converges to a different motion.
-    fn refined(&self, at: &EventRoot<CURVE>) -> Option<SlidingPoint<f64>> {
+    fn refined(&self, at: &EventRoot<CURVE_UNKNOWNS>) -> Option<SlidingPoint<f64>> {
         let (ball, [log, nut, screw, c]) = (&self.ball, at.z);
         let scale = ball.scale([nut, screw], c);
-        let found = ball.iterate::<true>([log, screw, c], &scale, true);
-        let [next_log, next_screw, next_c] = found.point;
+        let refined = ball.iterate::<true>([log, screw, c], &scale, true);
+        let [next_log, next_screw, next_c] = refined.point;
         let moved = [
             next_log - log,
-            (found.at.state.slip_cotangents[0] - nut) / scale[0],
+            (refined.at.state.slip_cotangents[0] - nut) / scale[0],
             (next_screw - screw) / scale[1],
             (next_c - c) / scale[2],
         ];
-        let motion = found.at.motion;
+        let motion = refined.at.motion;
         let same = (motion.inertia * motion.drive > 0.0) == (sign(at) > 0.0);
-        let near = moved.iter().all(|moved| moved.abs() < MAX_REFINEMENT);
-        (found.found && near && same).then_some(found.at)
+        let near = moved.iter().all(|moved| moved.abs() < MAX_REFINEMENT_DISTANCE);
+        (refined.converged && near && same).then_some(refined.at)
     }
 
     /// Returns a state on the straight part of the equilibrium curve that has less inertia than the
@@ -244,7 +245,7 @@ impl<'a> SlidingCurve<'a> {
             // straight curve, this factor changes by less than a factor of seven.
             let state = ball.iterate::<false>([log + rise, screw, c], &scale, true);
             self.count(state.steps);
-            if state.found && state.is_straight_from(&start, &scale, STRAIGHTNESS_TOL) {
+            if state.converged && state.is_straight_from(&start, &scale, STRAIGHTNESS_TOL) {
                 return state;
             }
             rise -= 3.0;
@@ -254,7 +255,7 @@ impl<'a> SlidingCurve<'a> {
 }
 
 /// Returns the sign of `$P/W$` at a zero crossing of (S26).
-fn sign(at: &EventRoot<CURVE>) -> f64 {
+fn sign(at: &EventRoot<CURVE_UNKNOWNS>) -> f64 {
     if at.event == 0 { 1.0 } else { -1.0 }
 }
 
@@ -282,7 +283,7 @@ mod tests {
             let mut steps = 0;
             let Ok(mut curve) = SlidingCurve::of(&contacts, &mut steps) else { continue };
             let direct = curve.ball.direct_root(contacts.contact_angle.tan().recip(), true, false);
-            if !direct.found {
+            if !direct.is_first_root {
                 continue;
             }
             let (direct, sign) = (direct.at, direct.rate.signum());
@@ -318,7 +319,8 @@ mod tests {
             let begun = *curve.steps;
             let coarse = curve.root();
             let in_all = *curve.steps - begun;
-            let exact = curve.trace(&EXACT_STEP_CONTROL).unwrap_or(Err(NoAnswer::LOST));
+            let exact =
+                curve.trace(&EXACT_STEP_CONTROL).unwrap_or(Err(SolveFailure::SEARCH_FAILED));
             fewer += usize::from(in_all < *curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {

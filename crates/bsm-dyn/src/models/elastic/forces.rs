@@ -4,14 +4,14 @@
 //! Theory: `docs/theory/08-elastic.md`, equations (S13), (S14), (S19), (S20), (S26) to (S28).
 
 use bsm_kin::{Jet, Over, Real, Scalar};
-use bsm_newton::{Bracket, EvalError, FunctionValue, Homotopy};
+use bsm_newton::{Bracket, CurveEquations, EvalError, FunctionValue};
 
 use super::states::{SlidingBall, SlidingPoint, SlidingState};
 use super::steady::rounding_floor;
 use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, TILT,
 };
-use crate::models::ball::{BALL, linear};
+use crate::models::ball::{BALL_UNKNOWNS, linear};
 
 /// Residual tolerance of (S20) for the starting value of the Newton iteration that finds the
 /// beginning of the equilibrium curve (dimensionless).
@@ -23,10 +23,10 @@ const START_RESIDUAL_TOL: f64 = 1e-9;
 const COTANGENT_RANGE: [f64; 2] = [1e-12, 1e12];
 
 /// Number of equations of the equilibrium curve: (S14), (S19) and (S20).
-pub(super) const HELD: usize = 3;
+pub(super) const CURVE_EQUATIONS: usize = 3;
 
 /// Number of unknowns of the equilibrium curve: `$\ln q$`, `$x_A$`, `$x_B$` and `$c$`.
-pub(super) const CURVE: usize = HELD + 1;
+pub(super) const CURVE_UNKNOWNS: usize = CURVE_EQUATIONS + 1;
 
 /// Error that is returned at points where the forces cannot be in equilibrium.
 const NO_FORCES: EvalError = EvalError {
@@ -35,24 +35,24 @@ const NO_FORCES: EvalError = EvalError {
     requirement: "must be positive",
 };
 
-impl Homotopy<HELD, CURVE> for SlidingBall<f64> {
-    fn residual(&self, z: &[f64; CURVE]) -> Result<[f64; HELD], EvalError> {
+impl CurveEquations<CURVE_EQUATIONS, CURVE_UNKNOWNS> for SlidingBall<f64> {
+    fn residual(&self, z: &[f64; CURVE_UNKNOWNS]) -> Result<[f64; CURVE_EQUATIONS], EvalError> {
         self.state_at(z).map(|(_, residual)| residual).ok_or(NO_FORCES)
     }
 
     fn linearize(
         &self,
-        z: &[f64; CURVE],
-    ) -> Result<([f64; HELD], [[f64; CURVE]; HELD]), EvalError> {
+        z: &[f64; CURVE_UNKNOWNS],
+    ) -> Result<([f64; CURVE_EQUATIONS], [[f64; CURVE_UNKNOWNS]; CURVE_EQUATIONS]), EvalError> {
         linear(z, |z| self.state_at(z).map(|(_, residual)| residual).ok_or(NO_FORCES))
     }
 
-    fn weights(&self, z: &[f64; CURVE]) -> [f64; HELD] {
+    fn weights(&self, z: &[f64; CURVE_UNKNOWNS]) -> [f64; CURVE_EQUATIONS] {
         let w = self.state_at(z).map_or(1.0, |(state, _)| rounding_floor(&state).recip());
         [w, w, (z[1] * z[1] + z[2] * z[2]).recip()]
     }
 
-    fn sizes(&self, &[_, nut, screw, c]: &[f64; CURVE]) -> [f64; CURVE] {
+    fn sizes(&self, &[_, nut, screw, c]: &[f64; CURVE_UNKNOWNS]) -> [f64; CURVE_UNKNOWNS] {
         let [nut, screw, c] = self.scale([nut, screw], c);
         [1.0, nut, screw, c]
     }
@@ -63,11 +63,11 @@ impl SlidingBall<f64> {
     /// residuals of (S14), (S20) and (S19). Returns `None` if the forces cannot be in equilibrium.
     pub(super) fn state_at<D: Over<f64>>(
         &self,
-        &[log, nut, screw, c]: &[D; CURVE],
-    ) -> Option<(SlidingState<D>, [D; HELD])> {
+        &[log, nut, screw, c]: &[D; CURVE_UNKNOWNS],
+    ) -> Option<(SlidingState<D>, [D; CURVE_EQUATIONS])> {
         let q = log.re().exp();
         let q = (log - D::from(log.re())) * q + q;
-        let (load_excess, square) = self.nut_square([q, screw, c]);
+        let (load_excess, square) = self.nut_cotangent_square([q, screw, c]);
         let (state, [rotation, closure]) = self.state_of([nut, screw], load_excess, q, c)?;
         Some((state, [rotation, closure, nut.square() - square]))
     }
@@ -83,19 +83,19 @@ impl SlidingBall<f64> {
         c: D,
     ) -> Option<(SlidingState<D>, [D; 2])> {
         let (state, residual) = self.state(across, load_excess, q, c);
-        let along = state.push.re();
+        let along = state.load_parameter.re();
         (along > 0.0 && along.is_finite()).then_some((state, residual))
     }
 
     /// Returns the unknowns (S1) of the ball at a root of (S26).
     ///
     /// * `sign`: sign of `$P/W$`.
-    pub(super) fn unknowns(&self, at: &SlidingPoint<f64>, sign: f64) -> [f64; BALL] {
+    pub(super) fn unknowns(&self, at: &SlidingPoint<f64>, sign: f64) -> [f64; BALL_UNKNOWNS] {
         let (s, k) = (&at.state, &at.motion);
         let rate = sign * (s.centrifugal / self.inertia_ratio).sqrt();
         let tilt = 0.5 * s.angle_difference.0.atan2(s.angle_difference.1);
         let mean = s.sin[0].atan2(s.cos[0]) + tilt;
-        let mut y = [0.0; BALL];
+        let mut y = [0.0; BALL_UNKNOWNS];
         [y[NUT_LOAD], y[SCREW_LOAD]] = s.loads;
         y[TILT] = tilt;
         y[PRECESSION] = rate - self.nut_speed;
@@ -123,9 +123,9 @@ impl SlidingBall<f64> {
             *steps += 1;
             let cot = log.exp();
             let residual =
-                carried(self.equal_angles(Jet { re: cot, eps: [cot] })).and_then(|[x, c]| {
+                load_carrying(self.equal_angles(Jet { re: cot, eps: [cot] })).and_then(|[x, c]| {
                     let q = Jet::from(0.0);
-                    let (load_excess, square) = self.nut_square([q, x, c]);
+                    let (load_excess, square) = self.nut_cotangent_square([q, x, c]);
                     if square.re < 0.0 {
                         return None;
                     }
@@ -136,12 +136,12 @@ impl SlidingBall<f64> {
                 });
             residual.unwrap_or(f64::INFINITY.into())
         });
-        carried(self.equal_angles(found.root()?.x.exp()))
+        load_carrying(self.equal_angles(found.root()?.x.exp()))
     }
 }
 
 /// Returns `$x$` and `$c$` (cotangent of the slip angles, and unknown of (S18)) for equal contact
 /// angles, or `None` if contacts at these angles cannot carry the load.
-fn carried<D: Scalar>((point, effect): ([D; 2], D)) -> Option<[D; 2]> {
+fn load_carrying<D: Scalar>((point, effect): ([D; 2], D)) -> Option<[D; 2]> {
     (effect.re() > 0.0).then_some(point)
 }

@@ -50,7 +50,7 @@ pub struct SlidingState<D> {
     pub loads: [D; 2],
     /// Load parameter `$Y$` (S15). The forces can be in equilibrium only if `$Y$` is positive and
     /// finite.
-    pub push: D,
+    pub load_parameter: D,
     /// Scaled centrifugal force `$M$` (S16).
     pub centrifugal: D,
     /// Sine and cosine of the difference between the contact angles, `$2\nu$`.
@@ -152,16 +152,16 @@ impl<F: Real> SlidingBall<F> {
 impl<P: Real> SlidingBall<P> {
     /// Returns the factor `$1 + F^2$`.
     #[inline(always)]
-    fn stretch(&self) -> P {
+    fn one_plus_friction_square(&self) -> P {
         self.friction.square() + 1.0
     }
 
     /// Returns `$\delta$` and the square of `$x_A$` for given `$q$`, `$x_B$` and `$c$` (S19).
     #[inline(always)]
-    pub fn nut_square<D: RealOver<P>>(&self, [q, screw, c]: [D; 3]) -> (D, D) {
+    pub fn nut_cotangent_square<D: RealOver<P>>(&self, [q, screw, c]: [D; 3]) -> (D, D) {
         // δ = q (2c + q)/(1 + c²),  x_A² = (1 + δ) x_B² + δ/(1 + F²)      (S19)
         let load_excess = (c * 2.0 + q) * q / (c.square() + 1.0);
-        let inverse = self.stretch().recip();
+        let inverse = self.one_plus_friction_square().recip();
         (load_excess, screw.square() * (load_excess + 1.0) + load_excess * inverse)
     }
 
@@ -176,8 +176,8 @@ impl<P: Real> SlidingBall<P> {
         q: D,
         c: D,
     ) -> (SlidingState<D>, [D; 2]) {
-        cost::evaluated();
-        let (f, v) = (self.friction, self.stretch());
+        cost::count_evaluation();
+        let (f, v) = (self.friction, self.one_plus_friction_square());
         let w = [(nut.square() + 1.0).sqrt(), (screw.square() + 1.0).sqrt()];
         // E = R_B/√(1 + c²),  m_A = E (c + q),  m_B = E c                 (S18)
         let e = ((screw.square() * v + 1.0) / (c.square() + 1.0)).sqrt();
@@ -187,9 +187,9 @@ impl<P: Real> SlidingBall<P> {
         let cos = [(w[0] * m[0] - nut * e * f) / r[0], (w[1] * m[1] - screw * e * f) / r[1]];
         let sin = [(w[0] * e + nut * m[0] * f) / r[0], (w[1] * e + screw * m[1] * f) / r[1]];
         // Y = 1/(E cosα − F sinα)                                         (S15)
-        let push = (e * self.cos - f * self.sin).recip();
+        let load_parameter = (e * self.cos - f * self.sin).recip();
         // Q = Y w                                                         (S13)
-        let loads = [push * w[0], push * w[1]];
+        let loads = [load_parameter * w[0], load_parameter * w[1]];
         // 2ν follows from sin(φ_A − φ_B) and sin(η_B − η_A), both without cancellation  (S21)
         let sine = load_excess * r[1] * (f / v) / (nut * w[1] + screw * w[0]);
         let cosine = w[0] * w[1] + nut * screw * f.square();
@@ -197,7 +197,7 @@ impl<P: Real> SlidingBall<P> {
         let both = r[0] * r[1];
         let angle_difference = ((s * cosine - k * sine) / both, (k * cosine + s * sine) / both);
         // M = Y E q                                                       (S16)
-        let centrifugal = push * e * q;
+        let centrifugal = load_parameter * e * q;
         // δ = (Q/K_H)^{2/3}                                               (P2)
         let a = (loads[0].cbrt().square() * self.approaches[0] + self.offsets[0]) * cos[0];
         let b = (loads[1].cbrt().square() * self.approaches[1] + self.offsets[1]) * cos[1];
@@ -209,7 +209,15 @@ impl<P: Real> SlidingBall<P> {
         ];
         let slip_cotangents = [nut, screw];
         (
-            SlidingState { slip_cotangents, sin, cos, loads, push, centrifugal, angle_difference },
+            SlidingState {
+                slip_cotangents,
+                sin,
+                cos,
+                loads,
+                load_parameter,
+                centrifugal,
+                angle_difference,
+            },
             residual,
         )
     }
@@ -241,8 +249,9 @@ impl<P: Real> SlidingBall<P> {
         // π = |V_A| (1 + x_A cotα cosβ_A)/w_A                             (S24)
         let rolling = nut * (x_a * s.cos[0] * self.cot + 1.0) * d.recip();
         // g = (5/2) F Y cotα sin2ν/M                                      (S25)
-        let g = s.push * (self.friction * 2.5 * self.cot) * s.angle_difference.0 / s.centrifugal;
-        let slip = [nut * s.loads[0] / s.push, screw * s.loads[1] / s.push];
+        let g = s.load_parameter * (self.friction * 2.5 * self.cot) * s.angle_difference.0
+            / s.centrifugal;
+        let slip = [nut * s.loads[0] / s.load_parameter, screw * s.loads[1] / s.load_parameter];
         SlidingMotion { slip, inertia: -g + 1.0, drive: rolling + self.nut_speed }
     }
 
@@ -262,8 +271,8 @@ impl<F: Real> SlidingPoint<F> {
     /// Returns true if the ball is on its flanks and the slip is opposite to friction.
     #[inline(always)]
     pub(super) fn is_admissible(&self) -> F::Mask {
-        let SlidingState { sin, cos, push, .. } = &self.state;
-        let (zero, [a, b]) = (push.constant(0.0), self.motion.slip);
+        let SlidingState { sin, cos, load_parameter, .. } = &self.state;
+        let (zero, [a, b]) = (load_parameter.constant(0.0), self.motion.slip);
         a.gt(zero)
             & b.gt(zero)
             & zero.le(sin[0])

@@ -46,7 +46,7 @@ const ANGLE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-4, max_length: 1.0, m
 /// Largest ratio of normal load to axial load (dimensionless) at which a root found directly by
 /// Newton's method is accepted. Above this ratio, friction nearly holds the axial load, and
 /// rounding errors affect the result.
-const MAX_LOAD: f64 = 1e3;
+const MAX_ACCURATE_LOAD_RATIO: f64 = 1e3;
 
 /// Largest ratio of nut speed to relative speed (dimensionless) at which a root found directly by
 /// Newton's method is accepted. Above this ratio, rounding errors of the two speeds dominate the
@@ -63,7 +63,7 @@ const FIRST_STEP: f64 = 1.0;
 const MAX_STEP: f64 = 1.5;
 
 /// Maximum number of steps of the continuation, including rejected steps.
-const MAX_STEPS: usize = 12;
+const MAX_CONTINUATION_STEPS: usize = 12;
 
 /// Maximum ratio of the step in `$\ln q$` to the step in `$\ln\mu$` (dimensionless). This limit is
 /// twice the largest ratio along a straight curve.
@@ -89,7 +89,7 @@ pub(super) struct CurveState<F: Real> {
     /// Number of Newton steps.
     pub(super) steps: F,
     /// True if Newton's method converged.
-    pub(super) found: F::Mask,
+    pub(super) converged: F::Mask,
 }
 
 /// A steady motion of a ball that slides at both contacts.
@@ -110,7 +110,7 @@ pub struct SlidingRoot<F: Real> {
     /// True if the result is a steady motion and can serve as a starting value.
     pub steady: F::Mask,
     /// True if the result is certainly the first steady motion on the equilibrium curve.
-    pub found: F::Mask,
+    pub is_first_root: F::Mask,
 }
 
 /// Returns the angular velocity relative to the nut, divided by `$W$`, in the triad of the mean
@@ -176,14 +176,14 @@ impl<F: Real> CurveState<F> {
 /// reciprocal of a small difference.
 #[inline(always)]
 pub(super) fn rounding_floor<F: Real>(state: &SlidingState<F>) -> F {
-    let one = state.push.constant(1.0);
-    (state.push * (16.0 * f64::EPSILON / RESIDUAL_TOL)).larger(one)
+    let one = state.load_parameter.constant(1.0);
+    (state.load_parameter * (16.0 * f64::EPSILON / RESIDUAL_TOL)).larger(one)
 }
 
 impl<F: Real> SlidingBall<F> {
     /// Returns true if the contacts can carry an axial load at some contact angle (S12).
     #[inline(always)]
-    pub fn carries(&self) -> F::Mask {
+    pub fn can_carry_load(&self) -> F::Mask {
         // F tanα < 1; otherwise, no contact angles carry an axial load    (S12)
         self.friction.lt(self.cot)
     }
@@ -221,7 +221,7 @@ impl<F: Real> SlidingBall<F> {
         let x = state.slip_cotangents[0];
         let across = motion.slip[0] * x / (x.square() + 1.0).sqrt();
         // s = −2 F Y cosν/sinα − (I P/W) |V_A| cosθ_A cotα sinβ           (S28)
-        -(self.friction * state.push * tilt * 2.0 / self.sin)
+        -(self.friction * state.load_parameter * tilt * 2.0 / self.sin)
             - self.gyration(rate) * across * self.cot * mean
     }
 }
@@ -265,9 +265,11 @@ where
         // nearly equal, the inertia at the beginning of the curve underflows, but its logarithm
         // does not.
         let root = self.inertia_ratio.ln() - start.at.log_inertia() + LOG_NO_INERTIA;
-        let inside = start.found & root.lt(one * START_DISTANCE) & root.gt(one * LOG_NO_INERTIA);
+        let inside =
+            start.converged & root.lt(one * START_DISTANCE) & root.gt(one * LOG_NO_INERTIA);
         let (mut guess, mut expected) = ([root, start.point[1], start.point[2]], inside);
-        let (mut steady, mut found, mut steps) = (zero.mask(false), zero.mask(false), start.steps);
+        let (mut steady, mut is_first_root, mut steps) =
+            (zero.mask(false), zero.mask(false), start.steps);
         let mut continued = false;
         let (node, residual) = loop {
             let node = self.iterate::<true>(guess, &scale, expected);
@@ -277,16 +279,16 @@ where
             // `rounding` is an upper limit of the rounding errors of the terms and of the logarithm
             // of q.
             let rounding = node.point[0].abs().larger(one) * (16.0 * f64::EPSILON);
-            let admissible = node.found & node.at.is_admissible();
+            let admissible = node.converged & node.at.is_admissible();
             let near = if continued {
                 node.is_within(&guess, &scale)
             } else {
                 node.is_straight_from(start, &scale, STRAIGHTNESS_TOL)
             };
             steady = steady & !expected | admissible;
-            found = found & !expected | admissible & near & residual.le(rounding);
+            is_first_root = is_first_root & !expected | admissible & near & residual.le(rounding);
             steps = steps + node.steps;
-            let rest = inside & !(if any { steady } else { found });
+            let rest = inside & !(if any { steady } else { is_first_root });
             if continued || !F::any(rest) {
                 break (node, residual);
             }
@@ -309,7 +311,7 @@ where
             steps,
             residual: node.residual.larger(residual),
             steady,
-            found,
+            is_first_root,
         }
     }
 
@@ -334,7 +336,7 @@ where
         // the step in ln μ, and `length` is the step in ln q.
         let (mut below, mut slope, mut length) = (zero, one, one * FIRST_STEP);
         let (mut steps, mut active, mut arrived) = (zero, expected, zero.mask(false));
-        for step in 0..=MAX_STEPS {
+        for step in 0..=MAX_CONTINUATION_STEPS {
             let (mut guess, mut to) =
                 ([root - START_DISTANCE, point[1], point[2]], one * START_DISTANCE);
             if step > 0 {
@@ -352,12 +354,12 @@ where
             steps = steps + next.steps;
             let near = if step == 0 {
                 active =
-                    active & next.found & next.is_straight_from(start, scale, STRAIGHTNESS_TOL);
+                    active & next.converged & next.is_straight_from(start, scale, STRAIGHTNESS_TOL);
                 active
             } else {
                 let (rise, rise_of_inertia) = (next.point[0] - point[0], below - to);
                 let rises = rise.gt(zero) & rise.lt(rise_of_inertia * MAX_SLOPE);
-                let near = next.found & next.is_within(&point, &next.scale(self)) & rises;
+                let near = next.converged & next.is_within(&point, &next.scale(self)) & rises;
                 slope = F::select(near, rise / rise_of_inertia, slope);
                 length = F::select(near, length, length * 0.5);
                 near
@@ -406,22 +408,22 @@ where
         LaneNewton { step_tol, ..STATE_NEWTON }.iterate(&equations, &mut at);
         let LaneIterate { x: point, steps, has_ended } = at;
         let q = point[0].exp();
-        let (load_excess, square) = self.nut_square([q, point[1], point[2]]);
+        let (load_excess, square) = self.nut_cotangent_square([q, point[1], point[2]]);
         let (state, [a, b]) = self.state([square.sqrt(), point[1]], load_excess, q, point[2]);
         let at = SlidingPoint { state, motion: self.motion(&state) };
         let residual = a.abs().larger(b.abs());
         let (zero, infinity) = (residual.constant(0.0), residual.constant(f64::INFINITY));
-        let found = expected
+        let converged = expected
             & has_ended
             & residual.lt(rounding_floor(&state) * residual_tol)
-            & state.push.gt(zero)
-            & state.push.lt(infinity);
-        CurveState { point, at, residual, steps, found }
+            & state.load_parameter.gt(zero)
+            & state.load_parameter.lt(infinity);
+        CurveState { point, at, residual, steps, converged }
     }
 
     /// Finds the first steady motion by Newton's method from the beginning of the equilibrium
-    /// curve. The field `found` of the result is false if another root could precede the result or
-    /// if rounding errors could affect the result.
+    /// curve. The field `is_first_root` of the result is false if another root could precede the
+    /// result or if rounding errors could affect the result.
     ///
     /// * `unloaded`: cotangent of the unloaded contact angle.
     /// * `requested`: mask of the points to solve.
@@ -432,13 +434,14 @@ where
         let requested = requested
             & is_in_range(self.friction.abs(), self.inertia_ratio)
             & self.nut_speed.abs().lt(max_nut_speed)
-            & self.carries();
+            & self.can_carry_load();
         let (beginning, steps, found) = self.static_beginning(unloaded, requested);
         let start = self.state_without_inertia(beginning, found);
         let root = self.first(&start, any);
-        let is_accurate = root.at.state.push.lt(unloaded.constant(MAX_LOAD));
-        let (steady, found) = (root.steady & is_accurate, root.found & is_accurate);
-        SlidingRoot { steps: root.steps + steps, steady, found, ..root }
+        let is_accurate =
+            root.at.state.load_parameter.lt(unloaded.constant(MAX_ACCURATE_LOAD_RATIO));
+        let (steady, is_first_root) = (root.steady & is_accurate, root.is_first_root & is_accurate);
+        SlidingRoot { steps: root.steps + steps, steady, is_first_root, ..root }
     }
 }
 
@@ -483,7 +486,7 @@ where
         let (q, ball) = (x[0].exp(), self.ball);
         let (zero, one, infinity) = (q.constant(0.0), q.constant(1.0), q.constant(f64::INFINITY));
         let jets = [Jet::<3, F>::along(q, 0, q), Jet::variable(x[1], 1), Jet::variable(x[2], 2)];
-        let (load_excess, square) = ball.nut_square(jets);
+        let (load_excess, square) = ball.nut_cotangent_square(jets);
         let [q, screw, c] = jets;
         let (state, [rotation, closure]) = ball.state([square.sqrt(), screw], load_excess, q, c);
         let (mut residual, mut row) = (zero, [one, zero, zero]);
@@ -500,8 +503,8 @@ where
         let [by_screw, by_c] = self.scale;
         let length = step[0].abs().larger((step[1] / by_screw).abs());
         let length = length.larger((step[2] / by_c).abs());
-        let push = state.push.re;
-        let is_defined = zero.le(square.re) & push.gt(zero) & push.lt(infinity);
+        let load_parameter = state.load_parameter.re;
+        let is_defined = zero.le(square.re) & load_parameter.gt(zero) & load_parameter.lt(infinity);
         LaneStep { step, length, is_defined }
     }
 }
@@ -536,8 +539,8 @@ impl<F: Real> SlidingRoot<F> {
     /// force has a component across the groove and a component along the groove.
     #[inline(always)]
     pub fn friction(&self) -> [[F; 2]; 2] {
-        let SlidingState { slip_cotangents: [x_a, x_b], push, .. } = self.at.state;
-        let friction = self.ball.friction * push;
+        let SlidingState { slip_cotangents: [x_a, x_b], load_parameter, .. } = self.at.state;
+        let friction = self.ball.friction * load_parameter;
         // The forces (across, along) are F Y (−x_A, −1) at A and F Y (x_B, 1) at B  (S13)
         [[-(friction * x_a), -friction], [friction * x_b, friction]]
     }

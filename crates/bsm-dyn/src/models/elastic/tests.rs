@@ -16,7 +16,7 @@ use crate::{Status, angles::Angles};
 
 /// Returns random starting values of the unknowns (S1) for which the nut contact carries the axial
 /// load.
-fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
+fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL_UNKNOWNS]> {
     let (sin, cos) = contacts.helix.lead_angle.sin_cos();
     let friction = contacts.directed_friction();
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
@@ -35,7 +35,7 @@ fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; 
     } else {
         (circling / mu).sqrt() * if rng.random_bool(0.5) { 1.0 } else { -1.0 }
     };
-    let mut y = [0.0; BALL];
+    let mut y = [0.0; BALL_UNKNOWNS];
     y[NUT_LOAD] = load;
     y[SCREW_LOAD] = load * (1.0 + spread * rng.random_range(-1.0..0.2));
     y[TILT] = tilt;
@@ -53,10 +53,10 @@ fn root_from_random_starts(
     starts: usize,
     rng: &mut impl Rng,
     newton: &mut Workspace,
-) -> Option<[f64; BALL]> {
+) -> Option<[f64; BALL_UNKNOWNS]> {
     (0..starts).find_map(|_| {
         let mut y = random_start(contacts, rng)?;
-        let scales = Scales { x: &[1.0; BALL], f: &weights(contacts, &y) };
+        let scales = Scales { x: &[1.0; BALL_UNKNOWNS], f: &weights(contacts, &y) };
         let convergence =
             Convergence { residual_tol: 1e-11, max_steps: 60, ..Convergence::default() };
         let options = Options { convergence, ..Options::default() };
@@ -89,7 +89,7 @@ struct Tally {
     no_solution: usize,
     found: usize,
     seen: usize,
-    refuted: Vec<(ElasticPoint, Reason, [f64; BALL])>,
+    refuted: Vec<(ElasticPoint, Reason, [f64; BALL_UNKNOWNS])>,
 }
 
 /// Runs random searches at `points` points with a solution and at the same number of points without
@@ -106,10 +106,12 @@ fn compare_with_random_searches(seed: u64, points: usize, starts: usize) -> Tall
             continue;
         }
         match find(&contacts, &mut newton) {
-            Err(none) if none.status() == Status::NoSolution && tally.no_solution < points => {
+            Err(failure)
+                if failure.status() == Status::NoSolution && tally.no_solution < points =>
+            {
                 tally.no_solution += 1;
                 if let Some(y) = root_from_random_starts(&contacts, starts, &mut rng, &mut newton) {
-                    tally.refuted.push((screw, none.reason().clone(), y));
+                    tally.refuted.push((screw, failure.reason().clone(), y));
                 }
             }
             Ok((y, ..)) if tally.found < points => {
@@ -236,10 +238,10 @@ fn solution_exists_if_nut_and_screw_rotate_at_nearly_equal_speeds() {
         let speed = screw.point.drive.relative_speed();
         let apart = rng.log_uniform(1e-12, 0.1);
         screw.point.drive = bsm_kin::Drive { screw_speed: speed, nut_speed: speed * (1.0 - apart) };
-        let solution = Elastic { at: screw }.solve(&mut work);
+        let solution = Elastic { screw }.solve(&mut work);
         converged += usize::from(solution.status() == Status::Converged);
-        if let Some(Reason::NoSkidAtInertia { inertia, least, most }) = solution.reason() {
-            assert!(!(least..=most).contains(&inertia), "{inertia} {least} {most} {screw:?}");
+        if let Some(Reason::NoSkidAtInertia { inertia_ratio, min, max }) = solution.reason() {
+            assert!(!(min..=max).contains(&inertia_ratio), "{inertia_ratio} {min} {max} {screw:?}");
         }
     }
     assert!(converged > 200, "{converged}");

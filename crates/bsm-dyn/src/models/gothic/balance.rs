@@ -10,7 +10,9 @@ use bsm_newton::{Equations, EvalError, Linearized, Options, Outcome, Scales, Wor
 use bsm_simd::{Arch, Simd, WithSimd};
 use nalgebra::Vector3;
 
-use super::grooves::{AxialCondition, FLANKS, FixedForces, FlankApproach, Grooves, PLACE, site};
+use super::grooves::{
+    AxialCondition, FLANKS, FixedForces, FlankApproach, Grooves, POSITIONS, site,
+};
 use crate::contact::{Wrench, axial_force, magnitude};
 use crate::cost;
 use crate::ellipse::{FrozenRule, Integral, Integrate, Patch, Placement, Quadrature};
@@ -20,9 +22,9 @@ use crate::models::traction::turned;
 
 /// Number of unknowns: positions of the ball and the nut, precession rate, and angular velocity
 /// relative to the nut.
-pub(super) const UNKNOWNS: usize = PLACE + 4;
+pub(super) const UNKNOWNS: usize = POSITIONS + 4;
 
-const ROWS: [&str; UNKNOWNS] = [
+const EQUATION_NAMES: [&str; UNKNOWNS] = [
     "force along t",
     "force along n",
     "force along b",
@@ -44,7 +46,7 @@ pub(super) struct FrozenRules([OnceCell<FrozenRule>; FLANKS]);
 /// lengths by a reference approach, and speeds by `$|W|$`.
 #[derive(Clone, Copy)]
 pub(super) struct Balance<'a, P = f64> {
-    pub(super) at: &'a ElasticPoint<P>,
+    pub(super) screw: &'a ElasticPoint<P>,
     pub(super) grooves: &'a Grooves<P>,
     pub(super) condition: AxialCondition<P>,
     /// Friction coefficients at the + and − flanks.
@@ -81,7 +83,7 @@ pub(super) struct Pressed<D> {
 
 /// State of the ball for given values of the unknowns.
 pub(super) struct ArchState<D> {
-    pub(super) place: [D; PLACE],
+    pub(super) positions: [D; POSITIONS],
     /// Precession rate and angular velocity along t, n and b relative to the nut, divided by
     /// `$|W|$`.
     pub(super) to_nut: (D, [D; 3]),
@@ -116,7 +118,7 @@ impl<P: Scalar, D: Integrate<P>> WithSimd for Evaluate<'_, '_, P, D> {
         let Self { balance, y } = self;
         let zero = y[0].constant(0.0);
         let mut state = ArchState {
-            place: [y[0] * balance.units.1, y[1] * balance.units.1, y[2] * balance.units.1],
+            positions: [y[0] * balance.units.1, y[1] * balance.units.1, y[2] * balance.units.1],
             to_nut: (y[3], [y[4], y[5], y[6]]),
             approaches: [zero; FLANKS],
             pressed: [None; FLANKS],
@@ -131,7 +133,7 @@ impl<P: Scalar, D: Integrate<P>> WithSimd for Evaluate<'_, '_, P, D> {
 impl<P: Scalar> Balance<'_, P> {
     /// Evaluates the force and moment balance for given unknowns.
     pub(super) fn evaluated<D: Integrate<P>>(&self, y: &[D; UNKNOWNS]) -> ArchState<D> {
-        cost::evaluated();
+        cost::count_evaluation();
         Arch::new().dispatch(Evaluate { balance: self, y })
     }
 
@@ -139,13 +141,13 @@ impl<P: Scalar> Balance<'_, P> {
     /// flanks.
     #[inline(always)]
     fn press<S: Simd, D: Integrate<P>>(&self, simd: S, state: &mut ArchState<D>) {
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let radius = point.ball.radius;
         let speed = (radius * magnitude(point.drive.relative_speed())).re();
-        let place = state.place;
-        let (mut touching, mut count) = ([(0, self.grooves.flank(0, &place)); FLANKS], 0);
+        let positions = state.positions;
+        let (mut touching, mut count) = ([(0, self.grooves.flank(0, &positions)); FLANKS], 0);
         for (i, approach) in state.approaches.iter_mut().enumerate() {
-            let flank = self.grooves.flank(i, &place);
+            let flank = self.grooves.flank(i, &positions);
             *approach = flank.approach;
             if flank.approach.re() > 0.0 {
                 touching[count] = (i, flank);
@@ -198,7 +200,7 @@ impl<P: Scalar> Balance<'_, P> {
         &FlankApproach { approach, normal: [b, n], .. }: &FlankApproach<D>,
         (rate, omega): (D, [D; 3]),
     ) -> (Pressed<D>, Patch<D>) {
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let (zero, radius) = (approach.constant(0.0), point.ball.radius);
         let arc = point.helix.arc_length_per_radian();
         // At the nut, the normal (K9) has the components sinβ along b and cosβ along n. At the
@@ -231,7 +233,7 @@ impl<P: Scalar> Balance<'_, P> {
     /// Adds up the forces and moments on the ball, and stores the scaled residuals.
     #[inline(always)]
     fn add_up<D: Over<P>>(&self, y: &[D; UNKNOWNS], state: &mut ArchState<D>) {
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let zero = y[0].constant(0.0);
         let (mut force, mut moment, mut axial) = ([zero; 3], [zero; 3], zero);
         let (sin_lead, cos_lead) = self.grooves.lead;
@@ -293,22 +295,22 @@ impl<P: Scalar> Balance<'_, P> {
 impl Balance<'_> {
     /// Returns the approximate angular speed of a rolling ball, divided by `$|W|$`.
     pub(super) fn turning(&self) -> f64 {
-        self.at.point.helix.arc_length_per_radian() / self.at.point.ball.radius
+        self.screw.point.helix.arc_length_per_radian() / self.screw.point.ball.radius
     }
 
     /// Returns the motion, divided by `$|W|$`, of a ball that rolls on both loaded flanks without
     /// rotation about the principal normal.
     pub(super) fn without_spin(
         &self,
-        place: &[f64; PLACE],
-        diagonal: usize,
+        positions: &[f64; POSITIONS],
+        flank_pair: usize,
         motion: [f64; 4],
     ) -> [f64; 4] {
-        let point = &self.at.point;
+        let point = &self.screw.point;
         let (arc, radius) = (point.helix.arc_length_per_radian(), point.ball.radius);
         let (sign, cos_lead) = (point.drive.relative_speed().signum(), self.grooves.lead.1);
         // `nut` and `screw` are the components of t × N along b at the nut and the screw.
-        let [nut, screw] = [0, 2].map(|i| self.grooves.flank(i + diagonal, place).normal[1]);
+        let [nut, screw] = [0, 2].map(|i| self.grooves.flank(i + flank_pair, positions).normal[1]);
         // Without slip along t: d P + r_b ω_b c_A = 0,  d (P − W) + r_b (ω_b − W cosα) c_B = 0
         let around = sign * (arc + radius * cos_lead * screw) / (radius * (screw - nut));
         let [_, along, ..] = motion;
@@ -326,7 +328,7 @@ impl Balance<'_> {
         let of_nut = friction(0) + friction(1);
         let of_screw = friction(2) + friction(3);
         let (point, frame) =
-            (&self.at.point, BallFrame::turned(self.at.point.helix.lead_angle, 0.0));
+            (&self.screw.point, BallFrame::turned(self.screw.point.helix.lead_angle, 0.0));
         let rate = rate * point.drive.relative_speed().abs() + point.drive.nut_speed;
         let sum =
             of_nut + of_screw - frame.n * (point.ball.mass * point.helix.radius * rate * rate);
@@ -364,16 +366,16 @@ impl Equations<UNKNOWNS> for Balance<'_> {
     }
 
     fn max_step_length(&self, _x: &[f64; UNKNOWNS], dx: &[f64; UNKNOWNS]) -> f64 {
-        let [place, motion] = MAX_STEP;
+        let [position, motion] = MAX_STEP;
         let limit = |i: usize| match i {
-            0..PLACE => place,
-            PLACE => motion,
+            0..POSITIONS => position,
+            POSITIONS => motion,
             _ => motion * self.turning(),
         };
         dx.iter().enumerate().fold(1.0, |part, (i, dx)| part.min(limit(i) / dx.abs()))
     }
 
     fn equation(&self, i: usize) -> String {
-        ROWS[i].to_owned()
+        EQUATION_NAMES[i].to_owned()
     }
 }

@@ -8,7 +8,7 @@ use bsm_newton::{Convergence, EvalError, Options, Scales, Workspace, solve};
 
 use crate::contact::Hertz;
 use crate::models::ball::{
-    ElasticPoint, NoAnswer, Reason, domain_error, equations, far_flank_play,
+    ElasticPoint, Reason, SolveFailure, domain_error, equations, far_flank_play,
 };
 
 /// Number of contacts of a ball in two gothic arches. The order of the contacts is nut +, nut −,
@@ -96,7 +96,7 @@ pub struct FlankApproach<D = f64> {
 
 /// Number of coordinates that describe the positions \[m\]: two for the ball (along the binormal
 /// and the principal normal) and one for the nut (along the binormal).
-pub(super) const PLACE: usize = 3;
+pub(super) const POSITIONS: usize = 3;
 
 /// Returns the body (nut or screw) to which a flank belongs.
 pub(super) fn site(flank: usize) -> Site {
@@ -142,12 +142,12 @@ impl<P: Scalar> Grooves<P> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the play is negative, or if the ball cannot touch the grooves at
+    /// Returns [`SolveFailure`] if the play is negative, or if the ball cannot touch the grooves at
     /// contact angles between 0 and 90 degrees.
-    pub(super) fn of(at: &ElasticPoint<P>, fit: &ArchFit<P>) -> Result<Self, NoAnswer> {
+    pub(super) fn of(at: &ElasticPoint<P>, fit: &ArchFit<P>) -> Result<Self, SolveFailure> {
         let ArchFit { axial_play, radial_gap, oversize } = *fit;
         // The curvatures are calculated for a ball of nominal diameter at first contact.
-        let hertz = at.fitted(radial_gap, P::from(0.0)).hertz().map_err(NoAnswer::invalid)?;
+        let hertz = at.fitted(radial_gap, P::from(0.0)).hertz().map_err(SolveFailure::invalid)?;
         let nominal = Self::with_hertz(at, hertz);
         let [nut, screw] = nominal.across;
         let widest = if nut.re() < screw.re() { nut } else { screw } * MAX_SHIFT_RATIO;
@@ -156,20 +156,20 @@ impl<P: Scalar> Grooves<P> {
         let shift = if shift.re() < widest.re() { shift } else { widest };
         let grooves = Self { radial_gap, oversize, shift, ..nominal };
         if axial_play.re().is_nan() || axial_play.re() < 0.0 {
-            return Err(refused("axial play [m]", axial_play.re(), "must not be negative"));
+            return Err(invalid_input("axial play [m]", axial_play.re(), "must not be negative"));
         }
         let height = grooves.height().re();
-        if !(height > 0.0 && grooves.diagonal().re() > height) {
+        if !(height > 0.0 && grooves.center_distance().re() > height) {
             let requirement =
                 "the ball must touch the grooves at contact angles between 0 and 90 degrees";
-            return Err(refused("radial groove gap [m]", radial_gap.re(), requirement));
+            return Err(invalid_input("radial groove gap [m]", radial_gap.re(), requirement));
         }
         Ok(grooves)
     }
 
     /// Returns the distance `$L$` \[m\] between the arc centers of the + flanks of the nut and the
     /// screw at first contact. The − flanks have the same distance.
-    fn diagonal(&self) -> P {
+    fn center_distance(&self) -> P {
         self.offsets[0] + self.offsets[1] - self.oversize * 2.0
     }
 
@@ -192,7 +192,7 @@ impl<P: Scalar> Grooves<P> {
     pub fn flank<D: Over<P>>(
         &self,
         flank: usize,
-        [x_b, x_n, w_b]: &[D; PLACE],
+        [x_b, x_n, w_b]: &[D; POSITIONS],
     ) -> FlankApproach<D> {
         let (body, far) = (flank / 2, flank % 2 == 1);
         let (side, other) = ([1.0, -1.0][body], if far { -1.0 } else { 1.0 });
@@ -243,13 +243,13 @@ impl Grooves {
     /// the nut.
     pub(super) fn first_touch(&self) -> f64 {
         // w_t = √(L² − (y_A + y_B + w_n)²) − e_A − e_B                    (AC3)
-        let (l, y) = (self.diagonal(), self.height());
+        let (l, y) = (self.center_distance(), self.height());
         ((l - y) * (l + y)).sqrt() - self.width()
     }
 
     /// Returns the position of the ball and the nut \[m\] for given approaches \[m\] and contact
     /// angles \[rad\] at the + flanks.
-    pub fn between(&self, approaches: [f64; 2], angles: [f64; 2]) -> [f64; PLACE] {
+    pub fn position_for(&self, approaches: [f64; 2], angles: [f64; 2]) -> [f64; POSITIONS] {
         let length = |i: usize| self.offsets[i] - self.oversize + approaches[i];
         let [(sin_a, _), (sin_b, cos_b)] = angles.map(f64::sin_cos);
         let x_b = length(1) * sin_b - self.center(1);
@@ -258,8 +258,8 @@ impl Grooves {
     }
 
     /// Returns the axial force of the nut on a ball at rest \[N\].
-    pub(super) fn axial_force(&self, place: &[f64; PLACE]) -> f64 {
-        self.normal_forces(place).1[0] * self.lead.1
+    pub(super) fn axial_force(&self, positions: &[f64; POSITIONS]) -> f64 {
+        self.normal_forces(positions).1[0] * self.lead.1
     }
 
     /// Returns the axial play \[m\] below which a ball with two contacts also touches a far flank,
@@ -288,11 +288,11 @@ impl Grooves {
 
     /// Returns the sum of all normal forces on the ball, and the sum of the normal forces of the
     /// nut \[N\].
-    fn normal_forces<D: Over<f64>>(&self, place: &[D; PLACE]) -> ([D; 2], [D; 2]) {
+    fn normal_forces<D: Over<f64>>(&self, positions: &[D; POSITIONS]) -> ([D; 2], [D; 2]) {
         let zero = D::from(0.0);
         let (mut ball, mut nut) = ([zero; 2], [zero; 2]);
         for flank in 0..FLANKS {
-            let FlankApproach { approach, normal, .. } = self.flank(flank, place);
+            let FlankApproach { approach, normal, .. } = self.flank(flank, positions);
             let load = self.load(flank, approach);
             for i in 0..2 {
                 ball[i] += normal[i] * load;
@@ -306,9 +306,9 @@ impl Grooves {
 
     /// Returns the largest normal load \[N\] for given positions of the ball and the nut, together
     /// with the approach at this contact \[m\].
-    pub(super) fn largest(&self, place: &[f64; PLACE]) -> (f64, f64) {
+    pub(super) fn largest_load(&self, positions: &[f64; POSITIONS]) -> (f64, f64) {
         let loads = (0..FLANKS).map(|flank| {
-            let approach = self.flank(flank, place).approach;
+            let approach = self.flank(flank, positions).approach;
             (self.load(flank, approach), approach)
         });
         loads.fold((0.0, 0.0), |most, one| if one.0 > most.0 { one } else { most })
@@ -324,15 +324,15 @@ impl Grooves {
     pub(super) fn at_rest(
         &self,
         condition: AxialCondition,
-        newton: &mut Workspace<PLACE>,
-    ) -> Result<[f64; PLACE], NoAnswer> {
+        newton: &mut Workspace<POSITIONS>,
+    ) -> Result<[f64; POSITIONS], SolveFailure> {
         let stiffness = (self.hertz[0].compliance + self.hertz[1].compliance).powf(-1.5);
         let touch = self.first_touch();
         let (w, axial) = match condition {
             AxialCondition::Displacement(u) => (u * self.lead.1, 0.0),
             AxialCondition::Force(axial) => {
                 if !(axial >= 0.0 && (axial > 0.0 || touch < 0.0)) {
-                    return Err(loose("axial force on the ball [N]", axial));
+                    return Err(not_pressed("axial force on the ball [N]", axial));
                 }
                 let sin = (1.0 - self.cos_first_contact().powi(2)).sqrt();
                 let load = axial / (sin * self.lead.1);
@@ -344,9 +344,9 @@ impl Grooves {
         let sign = if w < 0.0 { -1.0 } else { 1.0 };
         let (g_b, g_n) = (sign * self.width() + w, self.height());
         let length = g_b.hypot(g_n);
-        let both = length - self.diagonal();
+        let both = length - self.center_distance();
         if both <= 0.0 {
-            return Err(loose("axial displacement of the nut [m]", w / self.lead.1));
+            return Err(not_pressed("axial displacement of the nut [m]", w / self.lead.1));
         }
         let share =
             self.hertz[1].compliance / (self.hertz[0].compliance + self.hertz[1].compliance);
@@ -356,9 +356,9 @@ impl Grooves {
             -self.outward[1] + g_n / length * from_screw,
             w,
         ];
-        let (load, approach) = self.largest(&y);
+        let (load, approach) = self.largest_load(&y);
         let units = (load.max(axial), approach);
-        self.settled(condition, &FixedForces::default(), (&y, units), newton)
+        self.equilibrium_position(condition, &FixedForces::default(), (&y, units), newton)
     }
 
     /// Returns the positions of the ball and the nut \[m\] at which the normal loads and the given
@@ -366,32 +366,32 @@ impl Grooves {
     ///
     /// * `near`: starting values of the positions \[m\].
     /// * `units`: units of force \[N\] and length \[m\].
-    pub(super) fn settled(
+    pub(super) fn equilibrium_position(
         &self,
         condition: AxialCondition,
         forces: &FixedForces,
-        (near, (force, length)): (&[f64; PLACE], (f64, f64)),
-        newton: &mut Workspace<PLACE>,
-    ) -> Result<[f64; PLACE], NoAnswer> {
-        let rest = Rest { grooves: self, condition, forces, force, length };
+        (near, (force, length)): (&[f64; POSITIONS], (f64, f64)),
+        newton: &mut Workspace<POSITIONS>,
+    ) -> Result<[f64; POSITIONS], SolveFailure> {
+        let balance = ForceBalance { grooves: self, condition, forces, force, length };
         let mut y = near.map(|y| y / length);
-        let scales = Scales { x: &[1.0; PLACE], f: &[1.0; PLACE] };
+        let scales = Scales { x: &[1.0; POSITIONS], f: &[1.0; POSITIONS] };
         let convergence =
             Convergence { residual_tol: 1e-9, max_steps: 100, ..Convergence::default() };
         let options = Options { convergence, ..Options::default() };
-        let report = solve(&rest, &mut y, &scales, &options, newton).report;
+        let report = solve(&balance, &mut y, &scales, &options, newton).report;
         if !report.converged() {
-            return Err(NoAnswer::not_converged(Reason::from(report)));
+            return Err(SolveFailure::not_converged(Reason::from(report)));
         }
         Ok(y.map(|y| y * length))
     }
 }
 
-fn refused(quantity: &'static str, value: f64, requirement: &'static str) -> NoAnswer {
-    NoAnswer::invalid(Reason::Refused { error: EvalError { quantity, value, requirement } })
+fn invalid_input(quantity: &'static str, value: f64, requirement: &'static str) -> SolveFailure {
+    SolveFailure::invalid(Reason::Refused { error: EvalError { quantity, value, requirement } })
 }
 
-fn loose(quantity: &'static str, value: f64) -> NoAnswer {
+fn not_pressed(quantity: &'static str, value: f64) -> SolveFailure {
     domain_error(EvalError {
         quantity,
         value,
@@ -410,7 +410,7 @@ pub(super) struct FixedForces {
 
 /// Force balance of a ball under normal loads and fixed forces. Lengths are divided by a reference
 /// approach.
-struct Rest<'a> {
+struct ForceBalance<'a> {
     grooves: &'a Grooves,
     condition: AxialCondition,
     forces: &'a FixedForces,
@@ -420,12 +420,12 @@ struct Rest<'a> {
     length: f64,
 }
 
-impl Rest<'_> {
+impl ForceBalance<'_> {
     #[expect(
         clippy::unnecessary_wraps,
         reason = "the macro `equations!` requires this return type"
     )]
-    fn residual<D: Over<f64>>(&self, y: &[D; PLACE]) -> Result<[D; PLACE], EvalError> {
+    fn residual<D: Over<f64>>(&self, y: &[D; POSITIONS]) -> Result<[D; POSITIONS], EvalError> {
         let (ball, nut) = self.grooves.normal_forces(&y.map(|y| y * self.length));
         let position = match self.condition {
             AxialCondition::Force(axial) => {
@@ -440,8 +440,8 @@ impl Rest<'_> {
 }
 
 equations!(
-    Rest<'_>,
-    PLACE,
-    Rest::residual,
+    ForceBalance<'_>,
+    POSITIONS,
+    ForceBalance::residual,
     ["force along b", "force along n", "position of the nut"]
 );

@@ -6,7 +6,7 @@
 use bsm_newton::{Bracket, EvalError};
 
 use super::{AxialCondition, GothicBall, GothicState, GothicWorkspace};
-use crate::models::ball::{NoAnswer, domain_error};
+use crate::models::ball::{SolveFailure, domain_error};
 
 /// Two nuts that are preloaded against each other by an offset of their grooves. Each nut is
 /// represented by one ball.
@@ -41,8 +41,8 @@ impl GothicPair {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the offset does not load the balls.
-    pub fn force_at_rest(&self, work: &mut GothicWorkspace) -> Result<f64, NoAnswer> {
+    /// Returns [`SolveFailure`] if the offset does not load the balls.
+    pub fn force_at_rest(&self, work: &mut GothicWorkspace) -> Result<f64, SolveFailure> {
         self.driving.force_at_rest(0.5 * self.offset, work)
     }
 
@@ -51,12 +51,12 @@ impl GothicPair {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the grooves cannot carry the preload.
+    /// Returns [`SolveFailure`] if the grooves cannot carry the preload.
     pub fn of_preload(
         driving: GothicBall,
         preload: f64,
         work: &mut GothicWorkspace,
-    ) -> Result<Self, NoAnswer> {
+    ) -> Result<Self, SolveFailure> {
         let offset = 2.0 * driving.deflection_at_rest(preload, work)?;
         Ok(Self { driving, offset })
     }
@@ -66,13 +66,13 @@ impl GothicPair {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if the external load unloads the other nut, or if a ball has no steady
-    /// motion.
+    /// Returns [`SolveFailure`] if the external load unloads the other nut, or if a ball has no
+    /// steady motion.
     pub fn solve(
         &self,
         external: f64,
         work: &mut GothicWorkspace,
-    ) -> Result<RunningPair, NoAnswer> {
+    ) -> Result<RunningPair, SolveFailure> {
         let touch = self.driving.first_touch()?;
         let back = self.driving.back_driven();
         let at = |u: f64, near: Option<&[GothicState; 2]>, work: &mut GothicWorkspace| {
@@ -80,11 +80,11 @@ impl GothicPair {
                 [u, self.offset - u].map(|u| AxialCondition::Displacement(touch + u));
             let driving = self.driving.solve(there, near.map(|near| &near[0]), work)?;
             let back_driven = back.solve(other, near.map(|near| &near[1]), work)?;
-            Ok::<_, NoAnswer>([driving, back_driven])
+            Ok::<_, SolveFailure>([driving, back_driven])
         };
         let mut last: Option<(f64, f64)> = None;
         let mut balls: Option<[GothicState; 2]> = None;
-        let mut failure: Option<NoAnswer> = None;
+        let mut failure: Option<SolveFailure> = None;
         let bracket = Bracket {
             start: Some(0.5 * self.offset),
             x_tol: DISPLACEMENT_TOL,
@@ -93,8 +93,8 @@ impl GothicPair {
         let found = bracket.root(|u| {
             let found = match at(u, balls.as_ref(), work) {
                 Ok(found) => *balls.insert(found),
-                Err(why) => {
-                    failure = Some(why);
+                Err(error) => {
+                    failure = Some(error);
                     return (f64::NAN, f64::NAN);
                 }
             };
@@ -107,8 +107,8 @@ impl GothicPair {
                 last.replace((u, excess)).map(|(before, value)| (excess - value) / (u - before));
             (excess, secant.filter(|slope| *slope > 0.0).unwrap_or(rough))
         });
-        if let Some(why) = failure {
-            return Err(why);
+        if let Some(error) = failure {
+            return Err(error);
         }
         let lifted = domain_error(EvalError {
             quantity: "external load on a preloaded pair [N]",
@@ -121,7 +121,7 @@ impl GothicPair {
         if (driving.axial_force - back_driven.axial_force - external).abs() > 1e-6 * force {
             return Err(lifted);
         }
-        let speed = self.driving.at.point.drive.relative_speed().abs();
+        let speed = self.driving.screw.point.drive.relative_speed().abs();
         // T_f = (P_d + P_b)/|W|                                           (AC9)
         let friction_torque = (driving.friction_power() + back_driven.friction_power()) / speed;
         Ok(RunningPair { driving, back_driven, friction_torque })

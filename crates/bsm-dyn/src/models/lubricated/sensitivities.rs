@@ -4,9 +4,9 @@
 
 use bsm_kin::Jet;
 
-use super::solve::{LubricatedBall, LubricatedModel, lost};
+use super::solve::{LubricatedBall, LubricatedModel, contact_power_loss};
 use crate::contact::{Temperature, efficiency};
-use crate::models::ball::{EhlPoint, LubricatedState, NoAnswer, Performance};
+use crate::models::ball::{EhlPoint, LubricatedState, Performance, SolveFailure};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
@@ -19,12 +19,12 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let (heat_transfer, ambient) = match self.lubricant.temperature {
             Temperature::Known(kelvin) => return Ok(self.slopes(kelvin, work)?.0),
             Temperature::Balance { heat_transfer, ambient } => (heat_transfer, ambient),
         };
-        let solved = self.values().solve(work).answer?;
+        let solved = self.values().solve(work).result?;
         let temperature = solved.film.map_or(f64::NAN, |film| film.temperature);
         let mut surplus_cooling = |kelvin: f64| {
             let (_, heat) = self.slopes(Jet::from(kelvin), work)?;
@@ -42,8 +42,8 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
     pub(crate) fn values(&self) -> LubricatedBall {
         let model = match &self.model {
             LubricatedModel::RacewayControl(case, friction) => {
-                let (screw, control) = (case.at.values(), case.control);
-                LubricatedModel::RacewayControl(RacewayControl { at: screw, control }, *friction)
+                let (screw, control) = (case.screw.values(), case.control);
+                LubricatedModel::RacewayControl(RacewayControl { screw, control }, *friction)
             }
             LubricatedModel::Traction(case) => LubricatedModel::Traction(case.values()),
         };
@@ -56,7 +56,7 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
         &self,
         kelvin: Jet<M>,
         work: &mut ModelWorkspace,
-    ) -> Result<(Performance<Jet<M>>, Jet<M>), NoAnswer> {
+    ) -> Result<(Performance<Jet<M>>, Jet<M>), SolveFailure> {
         let screw = self.screw();
         let ehl = EhlPoint::new(screw, &self.lubricant, kelvin)?;
         let (contacts, steady) = match &self.model {
@@ -64,7 +64,7 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
                 let (contacts, loaded, to_nut) = case.rolling_ball(&mut work.raceway)?;
                 let rules = work.lubricated.both(friction.accuracy());
                 let (_, losses) = friction.losses(&ehl, &contacts, (&loaded, &to_nut), rules);
-                let torque = screw.rolling_torques(lost(&losses)).1;
+                let torque = screw.rolling_torques(contact_power_loss(&losses)).1;
                 (contacts, LubricatedState { loaded, to_nut, losses, torque })
             }
             LubricatedModel::Traction(case) => {

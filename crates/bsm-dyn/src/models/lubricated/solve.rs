@@ -11,8 +11,8 @@ use bsm_newton::Bracket;
 use crate::contact::{BallOrbit, Lubricant, OutsidePower, Temperature, ZERO_CELSIUS, magnitude};
 use crate::ellipse::{Integrate, Placement, Quadrature};
 use crate::models::ball::{
-    AnswerUnits, BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint,
-    ErrorBound, Evidence, FilmLoss, LubricatedState, Model, NoAnswer, Reason, Solution, SteadyRoot,
+    BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound, Evidence,
+    FilmLoss, LubricatedState, Model, Reason, ResultUnits, Solution, SolveFailure, SteadyRoot,
     SteadyState, Transmission, to_both,
 };
 use crate::models::raceway_control::RacewayControl;
@@ -63,7 +63,7 @@ impl RacewayFriction {
 }
 
 /// Returns the power loss of both contacts, in scaled units and divided by `$W$`.
-pub(super) fn lost<D: Scalar>(losses: &[EhlLoss<D>; 2]) -> D {
+pub(super) fn contact_power_loss<D: Scalar>(losses: &[EhlLoss<D>; 2]) -> D {
     let [nut, screw] = losses;
     nut.sliding + nut.rolling + screw.sliding + screw.rolling
 }
@@ -81,11 +81,11 @@ impl RacewayFriction {
         let [oil, dry] = rules.map(Placement::from);
         let (motions, creep) = (to_both(to_nut, &loaded.frame), RacewayControl::CREEP);
         let unit = contacts.unit_powers(loaded, to_nut, creep, [dry; 2]);
-        let of = (contacts, loaded);
+        let ball = (contacts, loaded);
         let losses = match self {
-            Self::Local => ehl.losses(of, &motions, creep, [oil; 2]),
+            Self::Local => ehl.losses(ball, &motions, creep, [oil; 2]),
             Self::PerContact => {
-                std::array::from_fn(|i| ehl.mean_loss(i, of, &motions[i], creep, unit[i]))
+                std::array::from_fn(|i| ehl.mean_loss(i, ball, &motions[i], creep, unit[i]))
             }
         };
         (unit, losses)
@@ -96,8 +96,8 @@ impl<D: Scalar> LubricatedBall<D> {
     /// Returns the screw at its operating point.
     pub(crate) fn screw(&self) -> &ElasticPoint<D> {
         match &self.model {
-            LubricatedModel::RacewayControl(case, _) => &case.at,
-            LubricatedModel::Traction(case) => &case.at,
+            LubricatedModel::RacewayControl(case, _) => &case.screw,
+            LubricatedModel::Traction(case) => &case.screw,
         }
     }
 
@@ -168,7 +168,7 @@ impl LubricatedBall {
     ) -> Option<TrainBall> {
         let LubricatedModel::Traction(case) = &self.model else { return None };
         let Temperature::Known(kelvin) = self.lubricant.temperature else { return None };
-        let ehl = EhlPoint::new(&case.at, &self.lubricant, kelvin).ok()?;
+        let ehl = EhlPoint::new(&case.screw, &self.lubricant, kelvin).ok()?;
         TrainBall::of(case, Some(&ehl), free, contact_friction, work)
     }
 
@@ -182,7 +182,7 @@ impl LubricatedBall {
         heat_transfer: f64,
         ambient: f64,
         work: &mut ModelWorkspace,
-    ) -> Result<SteadyState, NoAnswer> {
+    ) -> Result<SteadyState, SolveFailure> {
         let mut surplus_cooling = |kelvin: f64| {
             let solved = self.at(kelvin, work)?;
             let seal = solved.film.map_or(f64::NAN, |film| film.outside.seal);
@@ -194,36 +194,37 @@ impl LubricatedBall {
             successors(Some(ambient + TEMPERATURE_STEP), |kelvin| Some(kelvin + TEMPERATURE_STEP))
                 .take_while(|kelvin| *kelvin <= MAX_TEMPERATURE);
         let begin = (ambient, surplus_cooling(ambient)?.0);
-        let change = Bracket::first_change(begin, places, |kelvin| Ok(surplus_cooling(kelvin)?.0))?;
+        let change =
+            Bracket::first_sign_change(begin, places, |kelvin| Ok(surplus_cooling(kelvin)?.0))?;
         let Some(bracket) = change else {
             let evidence = Evidence::Traced { resolution: TEMPERATURE_STEP };
-            let reason = Reason::LubricantRunsAway { hottest: MAX_TEMPERATURE };
-            return Err(NoAnswer::none(evidence, reason));
+            let reason = Reason::LubricantRunsAway { max_temperature: MAX_TEMPERATURE };
+            return Err(SolveFailure::no_solution(evidence, reason));
         };
-        let mut answer = Err(NoAnswer::LOST);
+        let mut result = Err(SolveFailure::SEARCH_FAILED);
         let ends = bracket.ends;
         let found = Bracket { x_tol: TEMPERATURE_TOLERANCE / ends[1], ..bracket }.root(|kelvin| {
             match surplus_cooling(kelvin) {
                 Ok((value, solved)) => {
-                    answer = Ok(solved);
+                    result = Ok(solved);
                     value
                 }
-                Err(why) => {
-                    answer = Err(why);
+                Err(error) => {
+                    result = Err(error);
                     f64::NAN
                 }
             }
         });
-        // If the root is an end of the bracket, `answer` may have been calculated at a different
+        // If the root is an end of the bracket, `result` may have been calculated at a different
         // temperature.
         match found.root() {
             Some(root) if ends.contains(&root.x) => Ok(surplus_cooling(root.x)?.1),
-            _ => answer,
+            _ => result,
         }
     }
 
     /// Returns the steady state at a lubricant temperature \[K\].
-    fn at(&self, kelvin: f64, work: &mut ModelWorkspace) -> Result<SteadyState, NoAnswer> {
+    fn at(&self, kelvin: f64, work: &mut ModelWorkspace) -> Result<SteadyState, SolveFailure> {
         let screw = self.screw();
         let ehl = EhlPoint::new(screw, &self.lubricant, kelvin)?;
         let found = match &self.model {
@@ -237,7 +238,7 @@ impl LubricatedBall {
                     contacts.with_friction(ehl.friction_scale(&contacts, &loaded, &to_nut, creep));
                 let rules = lubricated.both(friction.accuracy());
                 let (unit, losses) = friction.losses(&ehl, &contacts, (&loaded, &to_nut), rules);
-                let (_, torque) = screw.rolling_torques(lost(&losses));
+                let (_, torque) = screw.rolling_torques(contact_power_loss(&losses));
                 let steady = LubricatedState { loaded, to_nut, losses, torque };
                 let (skid, info, control) = rolling_ball.solve_info(&contacts);
                 SteadyRoot {
@@ -258,10 +259,10 @@ impl LubricatedBall {
     }
 
     /// Converts a root of the model equations into a steady state in SI units.
-    fn results(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<SteadyState, NoAnswer> {
+    fn results(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<SteadyState, SolveFailure> {
         let (screw, SteadyRoot { contacts, steady, .. }) = (self.screw(), found);
         let LubricatedState { loaded, to_nut, losses, torque } = steady;
-        let AnswerUnits { torque: unit, speed, .. } = screw.point.units();
+        let ResultUnits { torque: unit, speed, .. } = screw.point.units();
         let outside = self.outside(contacts, steady);
         let in_balance = matches!(self.model, LubricatedModel::Traction(_));
         let ball = screw.ball_state(contacts, loaded, to_nut, in_balance)?;
@@ -276,15 +277,20 @@ impl LubricatedBall {
                 unit: found.unit[i],
                 rolling: *rolling,
                 semi_axes: contacts.hertz[i].semi_axes(load * ehl.units.load),
-                inlet: [ehl.least_part(i, load, film), ehl.elasticity(i, load, film)],
+                ratio_and_load_parameter: [
+                    ehl.min_to_central_ratio(i, load, film),
+                    ehl.load_parameter(i, load, film),
+                ],
             }
         });
         let tan = screw.point.helix.lead_angle.tan();
-        let of = (contacts.direction.is_back(), tan, transmission.efficiency);
-        let film = ehl.state(&films, (unit * speed, screw.point.load.balls), outside, of);
-        let lost = film.sliding_power + film.rolling_power + outside.of_balls();
+        let efficiency = (contacts.direction.is_back(), tan, transmission.efficiency);
+        let film = ehl.state(&films, (unit * speed, screw.point.load.balls), outside, efficiency);
+        let power_loss = film.sliding_power + film.rolling_power + outside.of_balls();
         let transmission = match self.model {
-            LubricatedModel::Traction(_) => transmission.against(lost).balanced()?,
+            LubricatedModel::Traction(_) => {
+                transmission.with_power_balance(power_loss).balanced()?
+            }
             LubricatedModel::RacewayControl(..) => transmission,
         };
         Ok(SteadyState {

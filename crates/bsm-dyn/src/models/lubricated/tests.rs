@@ -62,19 +62,16 @@ fn vg_68() -> Lubricant {
 
 fn traction(screw: ElasticPoint) -> LubricatedModel {
     let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
-    LubricatedModel::Traction(Traction { at: screw, accuracy, creep })
+    LubricatedModel::Traction(Traction { screw, accuracy, creep })
 }
 
 fn rolling_ball(screw: ElasticPoint) -> LubricatedModel {
-    LubricatedModel::RacewayControl(
-        RacewayControl { at: screw, control: None },
-        RacewayFriction::Local,
-    )
+    LubricatedModel::RacewayControl(RacewayControl { screw, control: None }, RacewayFriction::Local)
 }
 
 fn solved(lubricant: Lubricant, model: LubricatedModel) -> SteadyState {
     let solution = LubricatedBall { lubricant, model }.solve(&mut ModelWorkspace::default());
-    *solution.solved().unwrap_or_else(|| panic!("{:?}", solution.reason()))
+    *solution.steady_state().unwrap_or_else(|| panic!("{:?}", solution.reason()))
 }
 
 /// At 40 °C and 100 °C, the viscosities equal the given values, and the temperature coefficient is
@@ -160,12 +157,12 @@ fn loss_uncertainty_of_a_rolling_ball_matches_a_second_set_of_random_draws() {
         let case =
             LubricatedBall { lubricant: vg_68(), model: rolling_ball(feed_drive(rpm, axial)) };
         let solution = case.solve(&mut work);
-        let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
-        println!("{rpm} {axial}: {band:?}");
+        let interval = case.loss_interval(solution.steady_state().unwrap(), &mut work).unwrap();
+        println!("{rpm} {axial}: {interval:?}");
         // Each set of 250 draws has a sampling error of a few percent, and the reference does not
         // state the distributions from which its inputs were drawn.
-        assert!((band.loss[0] - low).abs() < 0.07, "{band:?}");
-        assert!((band.loss[1] - high).abs() < 0.07, "{band:?}");
+        assert!((interval.loss[0] - low).abs() < 0.07, "{interval:?}");
+        assert!((interval.loss[1] - high).abs() < 0.07, "{interval:?}");
     }
 }
 
@@ -188,9 +185,9 @@ fn loss_uncertainty_of_a_skidding_ball_matches_independent_random_draws() {
         let model = traction(feed_drive(rpm, axial));
         let case = LubricatedBall { lubricant, model };
         let solution = case.solve(&mut work);
-        let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
-        println!("{rpm} {axial}: {band:?}");
-        assert_eq!(band.model, Model::Traction);
+        let interval = case.loss_interval(solution.steady_state().unwrap(), &mut work).unwrap();
+        println!("{rpm} {axial}: {interval:?}");
+        assert_eq!(interval.model, Model::Traction);
         // The tolerance is the standard error of the difference between two quantiles (5 % or 95 %)
         // from `draws` draws and from 250 draws, for normal distributions. The density at these
         // quantiles is 0.103 divided by the standard deviation, and the interval is 3.29 standard
@@ -199,8 +196,8 @@ fn loss_uncertainty_of_a_skidding_ball_matches_independent_random_draws() {
         // and 0.51 for raceway control.
         let variance = 0.05 * 0.95 * (f64::recip(draws) + f64::recip(250.0));
         let error = variance.sqrt() * (high - low) / (3.29 * 0.103);
-        assert!((band.loss[0] - low).abs() < error, "{error}: {band:?}");
-        assert!((band.loss[1] - high).abs() < error, "{error}: {band:?}");
+        assert!((interval.loss[0] - low).abs() < error, "{error}: {interval:?}");
+        assert!((interval.loss[1] - high).abs() < error, "{error}: {interval:?}");
     }
 }
 
@@ -216,7 +213,7 @@ fn very_rough_surfaces_have_a_constant_friction_coefficient() {
         let lubricated = solved(lubricant, traction(screw)).transmission.efficiency;
         screw.point.friction = Coulomb(0.12);
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
-        let dry = Traction { at: screw, accuracy, creep };
+        let dry = Traction { screw, accuracy, creep };
         let dry = dry.solve(&mut crate::model::TractionWorkspace::default());
         // The tolerance allows for the quadrature errors of both efficiencies.
         assert_relative_eq!(lubricated, dry.efficiency().unwrap(), max_relative = 1e-7);
@@ -279,7 +276,7 @@ fn extreme_inputs_have_finite_results_or_no_solution() {
                 {
                     points += 1;
                     let solution = LubricatedBall { lubricant, model }.solve(&mut work);
-                    let Some(solved) = solution.solved() else { continue };
+                    let Some(solved) = solution.steady_state() else { continue };
                     answers += 1;
                     let film = solved.film.unwrap();
                     let [nut, screw] = [film.nut, film.screw];
@@ -315,7 +312,7 @@ fn single_friction_coefficient_per_contact_changes_the_loss_by_a_few_percent() {
     for _ in 0..400 {
         let (screw, lubricant) = random_typical_point(&mut rng);
         let fast = LubricatedModel::RacewayControl(
-            RacewayControl { at: screw, control: None },
+            RacewayControl { screw, control: None },
             RacewayFriction::PerContact,
         );
         let [local, fast] = [rolling_ball(screw), fast].map(|model| {
@@ -376,7 +373,7 @@ fn count_unsolved_typical_screws(seed: u64, points: u64) -> u64 {
     for _ in 0..points {
         let (screw, lubricant) = random_typical_point(&mut rng);
         let solution = LubricatedBall { lubricant, model: traction(screw) }.solve(&mut work);
-        if solution.solved().is_none() {
+        if solution.steady_state().is_none() {
             failed += 1;
             println!("{:?} {screw:?} {lubricant:?}", solution.reason());
         }
@@ -433,18 +430,18 @@ fn lubricated_solves_take_longer_than_dry_solves() {
         let (screw, lubricant) = random_typical_point(&mut rng);
         let case = LubricatedBall { lubricant, model: traction(screw) };
         let solution = case.solve(&mut ModelWorkspace::default());
-        let Some(film) = solution.solved().and_then(|solved| solved.film) else { continue };
-        let bound = solution.solved().and_then(|solved| solved.error);
+        let Some(film) = solution.steady_state().and_then(|solved| solved.film) else { continue };
+        let bound = solution.steady_state().and_then(|solved| solved.error);
         bounds.push(bound.map_or(f64::NAN, |bound| bound.efficiency));
         let friction = film.equivalent_friction;
         let mut dry = screw;
         dry.point.friction = Coulomb(friction);
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
-        let dry_traction = Traction { at: dry, accuracy, creep };
-        let dry_raceway = RacewayControl { at: dry, control: None };
+        let dry_traction = Traction { screw: dry, accuracy, creep };
+        let dry_raceway = RacewayControl { screw: dry, control: None };
         let raceway = LubricatedBall { lubricant, model: rolling_ball(screw) };
         let at_once = LubricatedModel::RacewayControl(
-            RacewayControl { at: screw, control: None },
+            RacewayControl { screw, control: None },
             RacewayFriction::PerContact,
         );
         let at_once = LubricatedBall { lubricant, model: at_once };

@@ -12,11 +12,11 @@ use bsm_simd::Arch;
 
 use super::direct::RollingRoot;
 use super::rolling::rolling;
-use super::statics::{Rates, STATIC, StaticBalance};
+use super::statics::{Rates, STATIC_UNKNOWNS, StaticBalance};
 use crate::contact::binormal_displacement;
-use crate::cost::{count_of, searched};
+use crate::cost::{count_of, count_search};
 use crate::models::ball::{
-    BallLoads, Control, ElasticContacts, Evidence, NoAnswer, Reason, Workspace, equations,
+    BallLoads, Control, ElasticContacts, Evidence, Reason, SolveFailure, Workspace, equations,
 };
 
 /// Maximum number of Newton steps that refine a bracketed root.
@@ -25,7 +25,7 @@ const MAX_STEPS_FROM_BRACKET: usize = 8;
 /// Maximum number of fixed-point steps for the lower bound (W14). Newton steps are not used because
 /// they could pass the first root. Thousands of fixed-point steps are necessary if the centrifugal
 /// force is close to the largest force that the flanks can hold.
-const MAX_BOUND_STEPS: usize = 20_000;
+const MAX_LOWER_BOUND_STEPS: usize = 20_000;
 
 /// Number of intervals that the scan for other roots examines.
 const SCAN_INTERVALS: u8 = 48;
@@ -42,7 +42,7 @@ const MIN_ROOT_DISTANCE: f64 = 1e-6;
 
 /// Maximum relative change of the unknown during the refinement of a bracketed root
 /// (dimensionless). After a larger change, Newton's method has converged to a different root.
-const MAX_REFINEMENT: f64 = 1e-3;
+const MAX_REFINEMENT_CHANGE: f64 = 1e-3;
 
 /// Static force balance of the ball in the normal plane.
 pub(super) struct Balance<'a, P: Scalar = f64> {
@@ -60,7 +60,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
 
     /// Returns the residuals of the radial force balance (W12) and of the radial closure of the
     /// groove arcs (W13).
-    pub(super) fn equations<D: Over<P>>(&self, x: &[D; STATIC]) -> [D; STATIC] {
+    pub(super) fn equations<D: Over<P>>(&self, x: &[D; STATIC_UNKNOWNS]) -> [D; STATIC_UNKNOWNS] {
         self.statics.residual(x[0], &self.statics.loaded(*x))
     }
 
@@ -68,12 +68,15 @@ impl<'a, P: Scalar> Balance<'a, P> {
         clippy::unnecessary_wraps,
         reason = "the macro `equations!` requires this return type"
     )]
-    fn residual<D: Over<P>>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
+    fn residual<D: Over<P>>(
+        &self,
+        x: &[D; STATIC_UNKNOWNS],
+    ) -> Result<[D; STATIC_UNKNOWNS], EvalError> {
         Ok(self.equations(x))
     }
 
     /// Returns the loads, the contact angles and the contact geometry for given unknowns.
-    pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> BallLoads<D> {
+    pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC_UNKNOWNS]) -> BallLoads<D> {
         let ElasticContacts { helix, contact_angle, scaled, .. } = self.contacts;
         let nut = screw + c;
         let [a, b] = self.statics.loaded([c, screw]);
@@ -102,7 +105,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
 
 /// A root of the static balance of the rolling ball.
 pub(super) struct StaticRoot {
-    pub(super) unknowns: [f64; STATIC],
+    pub(super) unknowns: [f64; STATIC_UNKNOWNS],
     /// Number of Newton steps.
     pub(super) steps: usize,
     /// Scaled residual at the root.
@@ -119,7 +122,7 @@ impl From<&RollingRoot<f64>> for StaticRoot {
 impl Balance<'_> {
     /// Returns the weights of both equations, which are the reciprocals of the magnitudes of their
     /// terms.
-    pub(super) fn weights(&self) -> [f64; STATIC] {
+    pub(super) fn weights(&self) -> [f64; STATIC_UNKNOWNS] {
         let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
         // Clamping keeps the weights within the range of double precision.
         let size = (self.statics.inertia * rate * rate).clamp(f64::MIN_POSITIVE, 0.25 * f64::MAX);
@@ -134,11 +137,11 @@ impl Balance<'_> {
     /// [`Reason::Newton`] if Newton's method does not converge.
     pub(super) fn first_root(
         &self,
-        newton: &mut Workspace<STATIC>,
-    ) -> Result<StaticRoot, NoAnswer> {
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
+    ) -> Result<StaticRoot, SolveFailure> {
         // First, Newton's method is started from equal contact angles.
         let direct = RollingRoot::direct(&self.contacts.into(), Some(self.control), true);
-        if direct.found {
+        if direct.is_first_root {
             return Ok(StaticRoot::from(&direct));
         }
 
@@ -156,24 +159,24 @@ impl Balance<'_> {
     /// first root. The scan may miss pairs of roots that are closer together than its resolution.
     pub(super) fn farther_roots(
         &self,
-        &[first, _]: &[f64; STATIC],
-        newton: &mut Workspace<STATIC>,
+        &[first, _]: &[f64; STATIC_UNKNOWNS],
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
     ) -> Vec<StaticRoot> {
         if self.is_unique() { Vec::new() } else { self.scan(first, newton) }
     }
 
     /// Scans for roots that have a larger difference of the cotangents than the first root.
-    fn scan(&self, first: f64, newton: &mut Workspace<STATIC>) -> Vec<StaticRoot> {
-        searched();
-        let farthest = self.farthest();
+    fn scan(&self, first: f64, newton: &mut Workspace<STATIC_UNKNOWNS>) -> Vec<StaticRoot> {
+        count_search();
+        let max_difference = self.max_difference();
         let difference = |c: f64| c - self.centrifugal(self.statics.rate_at(c));
-        let begin = (first * (1.0 + MIN_ROOT_DISTANCE)).max(MIN_SCAN_START * farthest);
-        let grow = (farthest / begin).powf(f64::from(SCAN_INTERVALS).recip());
+        let begin = (first * (1.0 + MIN_ROOT_DISTANCE)).max(MIN_SCAN_START * max_difference);
+        let grow = (max_difference / begin).powf(f64::from(SCAN_INTERVALS).recip());
         let mut samples = [begin; SAMPLES];
         for i in 1..SAMPLES {
             samples[i] = samples[i - 1] * grow;
         }
-        samples[SAMPLES - 1] = farthest;
+        samples[SAMPLES - 1] = max_difference;
         let rates = Rates { balance: &self.statics, differences: &samples };
         let rates: [f64; SAMPLES] = Arch::new().dispatch(rates);
         let at = |i: usize| samples[i] - self.centrifugal(rates[i]);
@@ -181,7 +184,7 @@ impl Balance<'_> {
         for i in 1..SAMPLES {
             let (ends, values) = ([samples[i - 1], samples[i]], [at(i - 1), at(i)]);
             if let Some(root) = Bracket::new(ends, values).root(difference).root() {
-                found.extend(self.refined([root.x, self.statics.closed(root.x)], newton));
+                found.extend(self.refined([root.x, self.statics.screw_cotangent(root.x)], newton));
             }
         }
         found
@@ -195,18 +198,18 @@ impl Balance<'_> {
     /// different root.
     fn refined(
         &self,
-        bracketed: [f64; STATIC],
-        newton: &mut Workspace<STATIC>,
-    ) -> Result<StaticRoot, NoAnswer> {
+        bracketed: [f64; STATIC_UNKNOWNS],
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
+    ) -> Result<StaticRoot, SolveFailure> {
         let mut x = bracketed;
         let report = self.run(&mut x, newton);
         // If two roots are close together, Newton's method may converge to the wrong root.
         let change = (x[0] - bracketed[0]).abs();
-        if report.converged() && x[1] > 0.0 && change <= MAX_REFINEMENT * bracketed[0] {
+        if report.converged() && x[1] > 0.0 && change <= MAX_REFINEMENT_CHANGE * bracketed[0] {
             let (steps, residual) = (report.steps.len(), report.residual);
             return Ok(StaticRoot { unknowns: x, steps, residual });
         }
-        Err(NoAnswer::not_converged(Reason::from(report)))
+        Err(SolveFailure::not_converged(Reason::from(report)))
     }
 
     /// Returns the centrifugal term `$\mu\cos\alpha\,(P/W)^2$` of (W12).
@@ -215,7 +218,11 @@ impl Balance<'_> {
     }
 
     /// Runs Newton's method from the starting value `x`.
-    fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace<STATIC>) -> Report {
+    fn run(
+        &self,
+        x: &mut [f64; STATIC_UNKNOWNS],
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
+    ) -> Report {
         let weights = self.weights();
         let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
         // The residual goal is the rounding error of the lengths, because the axial displacement is
@@ -235,14 +242,14 @@ impl Balance<'_> {
     /// Returns the largest difference of the cotangents for which both contacts are on their
     /// flanks. At this difference, the contact angle at the screw is 90 degrees. If no such
     /// difference is found, returns the square root of the largest double.
-    fn farthest(&self) -> f64 {
+    fn max_difference(&self) -> f64 {
         let difference = |cot: f64| {
             self.statics.contact(0, cot).radial_component() - self.statics.radial_distance
         };
         let most = f64::MAX.sqrt();
         let places = successors(Some(1.0), |cot| Some(4.0 * cot).filter(|cot| *cot < most));
         let value = |cot| Ok::<_, Infallible>(difference(cot));
-        let Ok(change) = Bracket::first_change((0.0, difference(0.0)), places, value);
+        let Ok(change) = Bracket::first_sign_change((0.0, difference(0.0)), places, value);
         let root = change.and_then(|bracket| bracket.root(difference).root());
         root.map_or(most, |root| root.ends[0])
     }
@@ -257,22 +264,23 @@ impl Balance<'_> {
     /// # Errors
     ///
     /// Returns [`Reason::FlanksCannotHold`] if there is provably no root.
-    fn bracketed(&self) -> Result<[f64; STATIC], NoAnswer> {
-        let farthest = self.farthest();
+    fn bracketed(&self) -> Result<[f64; STATIC_UNKNOWNS], SolveFailure> {
+        let max_difference = self.max_difference();
         let outwards = match self.control {
             Control::Nut => 1.0,
             Control::Screw => -1.0,
         };
-        let none = || {
-            let rate = self.statics.rate_at(farthest);
-            let (held, centrifugal) =
-                (farthest * self.statics.axial, self.centrifugal(rate) * self.statics.axial);
-            let reason = Reason::FlanksCannotHold { control: self.control, held, centrifugal };
-            NoAnswer::none(Evidence::Proof, reason)
+        let failure = || {
+            let rate = self.statics.rate_at(max_difference);
+            let (max_force_ratio, force_ratio) =
+                (max_difference * self.statics.axial, self.centrifugal(rate) * self.statics.axial);
+            let reason =
+                Reason::FlanksCannotHold { control: self.control, max_force_ratio, force_ratio };
+            SolveFailure::no_solution(Evidence::Proof, reason)
         };
         let at_rest = self.statics.rate_at(0.0);
         let c = if outwards * at_rest >= 0.0 {
-            self.rising(farthest).ok_or_else(none)?
+            self.rising(max_difference).ok_or_else(failure)?
         } else {
             // There is no root beyond the sign change of the precession rate, so the function
             // returns a positive value there.
@@ -280,24 +288,24 @@ impl Balance<'_> {
                 let rate = self.statics.rate_at(c);
                 if outwards * rate >= 0.0 { c } else { c - self.centrifugal(rate) }
             };
-            if above(farthest) < 0.0 {
-                return Err(none());
+            if above(max_difference) < 0.0 {
+                return Err(failure());
             }
-            let ends = [0.0, self.centrifugal(at_rest).min(farthest)];
+            let ends = [0.0, self.centrifugal(at_rest).min(max_difference)];
             let found = Bracket::new(ends, ends.map(above)).root(above);
             found.root().map_or(ends[1], |root| root.x)
         };
-        Ok([c, self.statics.closed(c)])
+        Ok([c, self.statics.screw_cotangent(c)])
     }
 
     /// Returns the difference of the cotangents at the first root if the centrifugal force
     /// increases with this difference, or `None` if there is no root on the flanks.
-    fn rising(&self, farthest: f64) -> Option<f64> {
+    fn rising(&self, max_difference: f64) -> Option<f64> {
         let mut bound = 0.0;
-        for _ in 0..MAX_BOUND_STEPS {
+        for _ in 0..MAX_LOWER_BOUND_STEPS {
             // c ← μ cosα (P(c)/W)²                                        (W14)
             let next = self.centrifugal(self.statics.rate_at(bound));
-            if next > farthest {
+            if next > max_difference {
                 return None;
             }
             let converged = next <= bound * (1.0 + 4.0 * f64::EPSILON);
@@ -312,7 +320,7 @@ impl Balance<'_> {
 
 equations!(
     Balance<'_>,
-    STATIC,
+    STATIC_UNKNOWNS,
     Balance::residual,
     ["radial force balance", "closure of the triangle of arc centers"]
 );

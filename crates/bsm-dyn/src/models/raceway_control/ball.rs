@@ -75,7 +75,11 @@ impl<F: Real> RacewayBall<F> {
     ///
     /// * `excess`: relative excess of the spin moment (W7) for the given contacts.
     #[inline(always)]
-    pub(super) fn is_control_clear(&self, [a, b]: &[LoadedContact<F>; 2], excess: F) -> F::Mask {
+    pub(super) fn is_control_unambiguous(
+        &self,
+        [a, b]: &[LoadedContact<F>; 2],
+        excess: F,
+    ) -> F::Mask {
         let ScaledBall { lead, arc, nut_speed, .. } = self.scaled;
         let angles = [(a.sin, a.cos), (b.sin, b.cos)];
         let (nut, _) = rolling(arc.mask(true), lead, arc, angles);

@@ -9,7 +9,7 @@ use bsm_newton::LaneIterate;
 
 use super::ball::RacewayBall;
 use super::rolling::rolling;
-use super::statics::{STATIC, StaticBalance};
+use super::statics::{STATIC_UNKNOWNS, StaticBalance};
 use crate::models::ball::{Control, LoadedContact, ScaledBall};
 
 /// Minimum relative difference of the spin moments (dimensionless). If the difference is smaller,
@@ -26,7 +26,7 @@ pub struct RollingRoot<F: Real> {
     /// True if the nut is the controlling raceway.
     pub by_nut: F::Mask,
     /// Unknowns of the static balance (W12).
-    pub unknowns: [F; STATIC],
+    pub unknowns: [F; STATIC_UNKNOWNS],
     /// Contacts at the nut and the screw.
     pub sides: [LoadedContact<F>; 2],
     /// Number of Newton steps.
@@ -34,15 +34,15 @@ pub struct RollingRoot<F: Real> {
     /// Scaled residual of the static balance.
     pub residual: F,
     /// True if this is the first root and (W7) selects the controlling raceway of this root.
-    pub found: F::Mask,
+    pub is_first_root: F::Mask,
     /// True if the ball has no other rolling motion for the same inputs.
     pub unique: F::Mask,
 }
 
 impl<F: Real> RollingRoot<F> {
     /// Solves for the state of the rolling ball by Newton's method, starting from equal contact
-    /// angles. The field `found` of the result is false if the root is not certainly the first
-    /// root, or if rounding errors could affect the controlling raceway or the loaded flank.
+    /// angles. The field `is_first_root` of the result is false if the root is not certainly the
+    /// first root, or if rounding errors could affect the controlling raceway or the loaded flank.
     ///
     /// * `control`: controlling raceway; `None` selects the raceway by criterion (W7).
     /// * `requested`: mask of the points to solve.
@@ -89,7 +89,7 @@ impl<F: Real> RollingRoot<F> {
 
         // If the two sides of (W7) are nearly equal, this criterion is also evaluated for the
         // screw-controlled ball, where it must not select the screw.
-        let close = found & by_nut & !ball.is_control_clear(&sides, excess);
+        let close = found & by_nut & !ball.is_control_unambiguous(&sides, excess);
         if F::any(close) {
             let mut other = LaneIterate { has_ended: !close, ..at };
             screw.iterate(&mut other);
@@ -112,14 +112,14 @@ impl<F: Real> RollingRoot<F> {
         let root = Self::checked(&balance, &at, found, unique);
         let excess = ball.nut_excess(&root.sides);
         let is_consistent = min_excess.lt(F::select(by_nut, excess, -excess));
-        Self { found: root.found & is_consistent, ..root }
+        Self { is_first_root: root.is_first_root & is_consistent, ..root }
     }
 
     /// Creates the result after checking the residual and the contact angles of a root.
     #[inline(always)]
     fn checked(
         balance: &StaticBalance<F>,
-        at: &LaneIterate<F, STATIC>,
+        at: &LaneIterate<F, STATIC_UNKNOWNS>,
         found: F::Mask,
         unique: F::Mask,
     ) -> Self {
@@ -130,7 +130,15 @@ impl<F: Real> RollingRoot<F> {
         let on_flanks = sides[0].cot.gt(min_cot) & sides[1].cot.gt(min_cot);
         let is_solved = residual.lt(residual.constant(StaticBalance::<F>::RESIDUAL_TOL));
         let found = found & on_flanks & is_solved;
-        Self { by_nut: balance.by_nut, unknowns, sides, steps, residual, found, unique }
+        Self {
+            by_nut: balance.by_nut,
+            unknowns,
+            sides,
+            steps,
+            residual,
+            is_first_root: found,
+            unique,
+        }
     }
 
     /// Returns half the difference between the contact angles at screw and nut \[rad\].

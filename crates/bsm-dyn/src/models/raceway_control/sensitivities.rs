@@ -4,11 +4,11 @@
 
 use bsm_kin::{Jet, Motion};
 
-use super::{Balance, RacewayControl, RacewayWorkspace, RollingBall, STATIC};
+use super::{Balance, RacewayControl, RacewayWorkspace, RollingBall, STATIC_UNKNOWNS};
 use crate::contact::efficiency;
 use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
-    BallLoads, ElasticContacts, NoAnswer, Performance, Workspace, moving_root,
+    BallLoads, ElasticContacts, Performance, SolveFailure, Workspace, moving_root,
 };
 
 /// An operating point with the loads and the motion of the ball.
@@ -20,13 +20,13 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     pub(crate) fn sensitivities(
         &self,
         RacewayWorkspace { newton, quadrature, sensitivity_quadrature }: &mut RacewayWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let (inputs, loaded, to_nut) = self.moving(newton)?;
         let transmitted = |rule: &Quadrature| {
             let nodes = [Placement::from(rule); 2];
             let creep = RacewayControl::<f64>::CREEP;
             let [nut, screw] = inputs.friction_powers(&loaded, &to_nut, creep, nodes);
-            let (ideal, torque) = self.at.rolling_torques(nut + screw);
+            let (ideal, torque) = self.screw.rolling_torques(nut + screw);
             [efficiency(inputs.direction.is_back(), ideal, torque), torque]
         };
         // Derivatives need a finer quadrature rule, because they neglect the motion of the
@@ -38,8 +38,11 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     }
 
     /// Returns the operating point with the loads and the motion of the ball, all with derivatives.
-    fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<BallInMotion<Jet<M>>, NoAnswer> {
-        let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
+    fn moving(
+        &self,
+        newton: &mut Workspace<STATIC_UNKNOWNS>,
+    ) -> Result<BallInMotion<Jet<M>>, SolveFailure> {
+        let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
         let RollingBall { control, unknowns, .. } = RollingBall::of(&point, self.control, newton)?;
         let system = Balance::new(&point, control);
         let equations = Balance::new(&inputs, control);
@@ -55,7 +58,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
     pub(crate) fn rolling_ball(
         &self,
         work: &mut RacewayWorkspace,
-    ) -> Result<BallInMotion<Jet<M>>, NoAnswer> {
+    ) -> Result<BallInMotion<Jet<M>>, SolveFailure> {
         self.moving(&mut work.newton)
     }
 }

@@ -14,7 +14,7 @@ use crate::models::ball::{LoadedContact, ScaledBall};
 
 /// Number of unknowns of the static balance: the difference of the cotangents of the contact
 /// angles, and the cotangent at the screw (W12).
-pub(crate) const STATIC: usize = 2;
+pub(crate) const STATIC_UNKNOWNS: usize = 2;
 
 /// Limits of Newton's method for the static balance. Step lengths are changes of the contact angles
 /// \[rad\]. After a step of 1e-9, the error is of the order of the square of the step. Points that
@@ -31,7 +31,7 @@ const CLOSURE_TOL: f64 = 4.0 * f64::EPSILON;
 
 /// Maximum number of steps for calculating the upper bound (W18). Most points need two or three
 /// steps. Points that need more steps are scanned for roots.
-const MAX_BOUND_STEPS: usize = 4;
+const MAX_UPPER_BOUND_STEPS: usize = 4;
 
 /// Tolerance of the cotangent in the solution of (W13) for an upper bound, relative to the
 /// cotangent of the unloaded contact angle (dimensionless). The bound is shifted by the tolerance,
@@ -85,13 +85,16 @@ impl<P: Real> StaticBalance<P> {
     /// angle.
     #[inline(always)]
     pub(super) fn contact<D: RealOver<P>>(&self, i: usize, cot: D) -> LoadedContact<D> {
-        cost::evaluated();
+        cost::count_evaluation();
         LoadedContact::without_friction(self.contacts[i], self.axial, cot)
     }
 
     /// Returns the contacts at the nut and the screw for given unknowns.
     #[inline(always)]
-    pub(super) fn loaded<D: RealOver<P>>(&self, [c, screw]: [D; STATIC]) -> [LoadedContact<D>; 2] {
+    pub(super) fn loaded<D: RealOver<P>>(
+        &self,
+        [c, screw]: [D; STATIC_UNKNOWNS],
+    ) -> [LoadedContact<D>; 2] {
         [self.contact(0, screw + c), self.contact(1, screw)]
     }
 
@@ -118,7 +121,7 @@ impl<P: Real> StaticBalance<P> {
     /// Returns the residuals of the radial force balance (W12) and of the radial closure of the
     /// groove arcs (W13).
     #[inline(always)]
-    pub(super) fn residual<D>(&self, c: D, contacts: &[LoadedContact<D>; 2]) -> [D; STATIC]
+    pub(super) fn residual<D>(&self, c: D, contacts: &[LoadedContact<D>; 2]) -> [D; STATIC_UNKNOWNS]
     where
         D: RealOver<P> + Real<Mask = P::Mask>,
     {
@@ -146,7 +149,7 @@ impl<F: Real> StaticBalance<F> {
     ///
     /// * `requested`: mask of the points to iterate.
     #[inline(always)]
-    pub(super) fn start(&self, requested: F::Mask) -> LaneIterate<F, STATIC> {
+    pub(super) fn start(&self, requested: F::Mask) -> LaneIterate<F, STATIC_UNKNOWNS> {
         let zero = self.unloaded_cot.constant(0.0);
         let [nut, screw] = self.loaded([zero, self.unloaded_cot]);
         // The starting contact angle is calculated from the loads at the unloaded contact angle.
@@ -160,7 +163,7 @@ impl<F: Real> StaticBalance<F> {
 
     /// Runs Newton's method until it converges or reaches its limits.
     #[inline(always)]
-    pub(super) fn iterate(&self, at: &mut LaneIterate<F, STATIC>) {
+    pub(super) fn iterate(&self, at: &mut LaneIterate<F, STATIC_UNKNOWNS>) {
         NEWTON.iterate(self, at);
     }
 
@@ -183,8 +186,8 @@ impl<F: Real> StaticBalance<F> {
     /// Returns the cotangent of the contact angle at the screw that satisfies (W13) for a given
     /// difference `c` of the cotangents.
     #[inline(always)]
-    pub(super) fn closed(&self, c: F) -> F {
-        self.closed_to(CLOSURE_TOL, c)
+    pub(super) fn screw_cotangent(&self, c: F) -> F {
+        self.screw_cotangent_to(CLOSURE_TOL, c)
     }
 
     /// Solves (W13) by Newton's method with bisection, between zero and the cotangent of the
@@ -192,7 +195,7 @@ impl<F: Real> StaticBalance<F> {
     ///
     /// * `tolerance`: tolerance relative to the cotangent of the unloaded contact angle.
     #[inline(always)]
-    fn closed_to(&self, tolerance: f64, c: F) -> F {
+    fn screw_cotangent_to(&self, tolerance: f64, c: F) -> F {
         let (zero, unloaded) = (c.constant(0.0), self.unloaded_cot);
         let (mut low, mut high, mut cot) = (zero, unloaded, unloaded * 0.5);
         let mut converged = zero.mask(false);
@@ -218,7 +221,7 @@ impl<F: Real> StaticBalance<F> {
     /// Returns the precession rate `$P/W$` for a given difference `c` of the cotangents.
     #[inline(always)]
     pub(super) fn rate_at(&self, c: F) -> F {
-        self.rate(&self.loaded([c, self.closed(c)]))
+        self.rate(&self.loaded([c, self.screw_cotangent(c)]))
     }
 
     /// Returns true if a second root is excluded, either by (W17) or by (W15) evaluated at an upper
@@ -232,11 +235,12 @@ impl<F: Real> StaticBalance<F> {
         // μ cosα ρ < 2, where ρ is an upper bound of |P|/W if |P| increases with c        (W17)
         let mut unique = (self.inertia * outwards).lt(nut.constant(Self::UNIQUE_INERTIA));
         let mut bound = self.inertia * outwards.square();
-        for _ in 0..MAX_BOUND_STEPS {
+        for _ in 0..MAX_UPPER_BOUND_STEPS {
             if !F::any(requested & !unique) {
                 break;
             }
-            let screw = self.closed_to(BOUND_CLOSURE_TOL, bound) - unloaded * BOUND_CLOSURE_TOL;
+            let screw =
+                self.screw_cotangent_to(BOUND_CLOSURE_TOL, bound) - unloaded * BOUND_CLOSURE_TOL;
             // A smaller cotangent gives a larger |P|. A lower limit keeps the cotangent positive if
             // the bound is beyond the flanks.
             let at = [bound, screw.larger(unloaded * f64::EPSILON)];
@@ -250,7 +254,7 @@ impl<F: Real> StaticBalance<F> {
     /// Returns true if (W15) proves that no other root on the flanks has a smaller difference
     /// between the contact angles.
     #[inline(always)]
-    pub(super) fn is_first(&self, [c, screw]: [F; STATIC]) -> F::Mask {
+    pub(super) fn is_first(&self, [c, screw]: [F; STATIC_UNKNOWNS]) -> F::Mask {
         let (zero, one) = (c.constant(0.0), c.constant(1.0));
         let contacts = self.loaded([c, screw]);
         let p = self.precession(&contacts);
@@ -267,15 +271,15 @@ impl<F: Real> StaticBalance<F> {
 
     /// Returns the scaled residual of the static balance for given unknowns.
     #[inline(always)]
-    pub(super) fn scaled_residual(&self, [c, screw]: [F; STATIC]) -> F {
+    pub(super) fn scaled_residual(&self, [c, screw]: [F; STATIC_UNKNOWNS]) -> F {
         let [balance, closure] = self.residual(c, &self.loaded([c, screw]));
         (balance / self.inertia.larger(c.constant(1.0))).abs().larger(closure.abs())
     }
 }
 
-impl<F: Real> LaneEquations<F, STATIC> for StaticBalance<F> {
+impl<F: Real> LaneEquations<F, STATIC_UNKNOWNS> for StaticBalance<F> {
     #[inline(always)]
-    fn newton_step(&self, x: &[F; STATIC]) -> LaneStep<F, STATIC> {
+    fn newton_step(&self, x: &[F; STATIC_UNKNOWNS]) -> LaneStep<F, STATIC_UNKNOWNS> {
         let contacts = self.loaded(*x);
         let [nut, screw] = &contacts;
         let [balance, closure] = self.residual(x[0], &contacts);

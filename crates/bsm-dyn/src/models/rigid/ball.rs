@@ -6,7 +6,7 @@
 use bsm_kin::{Real, RealOver};
 
 use crate::contact::{Sines, ideal_torque};
-use crate::models::ball::{BALL, is_in_range};
+use crate::models::ball::{BALL_UNKNOWNS, is_in_range};
 
 /// A vector in the tangent plane of a contact, with components along `$e_x$` (across the groove)
 /// and `$t$` (along the helix).
@@ -185,7 +185,7 @@ impl<P: Real> RigidBall<P> {
     /// Returns the residuals of the seven equations (R8): force and moment balance in `$(t, N,
     /// e_x)$`, and axial load.
     #[inline(always)]
-    pub fn residual<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [D; BALL] {
+    pub fn residual<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [D; BALL_UNKNOWNS] {
         self.residual_under(m, m.rate.constant(1.0))
     }
 
@@ -195,7 +195,7 @@ impl<P: Real> RigidBall<P> {
         &self,
         m: &RigidMotion<D>,
         axial_load: D,
-    ) -> [D; BALL] {
+    ) -> [D; BALL_UNKNOWNS] {
         let Sines { sin_a, sin_b, cos_b, .. } = self.sines;
         let [q_a, q_m, q_b] = m.loads;
         let ([a, unloaded, b], [u, _, tau], s) = (self.friction_forces(m), m.omega, m.spin_moment);
@@ -276,7 +276,7 @@ impl<F: Real> RigidBall<F> {
     /// Returns the ratio of axial load to normal load for a ball without inertia. The ratio is not
     /// positive if friction holds any axial load.
     #[inline(always)]
-    pub(super) fn held_load(&self) -> F {
+    pub(super) fn axial_load_ratio(&self) -> F {
         self.k_n - self.signed * self.h
     }
 

@@ -6,19 +6,21 @@
 use std::array::from_fn;
 
 use bsm_kin::{Jet, Over};
-use bsm_newton::{EvalError, Homotopy, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace};
+use bsm_newton::{
+    CurveEquations, EvalError, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace,
+};
 
 use super::ball::{RigidBall, RigidMotion};
 use super::equations::{MIN_INERTIA, RigidEquations, Unknowns};
 use super::first_order::FirstOrder;
-use crate::cost::{self, searched};
+use crate::cost::{self, count_search};
 use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, UNLOADED_FLANK_LOAD,
 };
-use crate::models::ball::{BALL, linear};
+use crate::models::ball::{BALL_UNKNOWNS, linear};
 
 /// Number of unknowns at a point of the branch (R51).
-const BRANCH: usize = BALL + 1;
+const BRANCH_UNKNOWNS: usize = BALL_UNKNOWNS + 1;
 
 /// Index of the unknown `$\ln\mu_B$`, which replaces the load at contact B.
 const LOG_INERTIA: usize = SCREW_LOAD;
@@ -28,7 +30,7 @@ const UNLOADED_SLIP: usize = SPIN;
 
 /// Index of the additional unknown `$a$`, the ratio of the axial load per ball to the load at
 /// contact B.
-const AXIAL: usize = BALL;
+const AXIAL: usize = BALL_UNKNOWNS;
 
 /// Unit `$v_0$` of the slips in the unknowns, divided by `$r_b |W|$`. If a slip is much larger than
 /// `$v_0$`, its unknown is practically the logarithm of the slip.
@@ -71,19 +73,19 @@ const MAX_END_SLIP: f64 = 1e-3;
 /// Minimum ratio of nut speed to relative speed (dimensionless) at which the rate `$p$` is used as
 /// the precession unknown. Below this ratio, cancellation may occur in the sum `$p + \Omega_n/W$`;
 /// above this ratio, it may occur in the difference `$P/W - \Omega_n/W$`.
-const FAST_NUT: f64 = 10.0;
+const FAST_NUT_RATIO: f64 = 10.0;
 
 /// Maximum step length along the branch, in units of the scales of the unknowns.
 pub(super) const MAX_BRANCH_STEP: f64 = 4.0;
 
 /// Step control along the branch. Step lengths are in units of the scales of the unknowns.
 const STEPS: StepControl = StepControl {
-    first: 1.0,
-    longest: MAX_BRANCH_STEP,
-    shortest: 1e-6,
+    first_step: 1.0,
+    max_step: MAX_BRANCH_STEP,
+    min_step: 1e-6,
     pair_resolution: 1e-3,
     max_points: 400,
-    goal: 1e-9,
+    residual_goal: 1e-9,
     root_tolerance: 1e-6,
     jacobian: JacobianUpdate::EveryTrial { chord_below: 1e-3 },
 };
@@ -110,29 +112,29 @@ pub(super) struct BranchRoots {
     pub(super) is_complete: bool,
 }
 
-impl Homotopy<BALL, BRANCH> for Branch<'_> {
-    fn residual(&self, z: &[f64; BRANCH]) -> Result<[f64; BALL], EvalError> {
+impl CurveEquations<BALL_UNKNOWNS, BRANCH_UNKNOWNS> for Branch<'_> {
+    fn residual(&self, z: &[f64; BRANCH_UNKNOWNS]) -> Result<[f64; BALL_UNKNOWNS], EvalError> {
         self.residual_at(z)
     }
 
     fn linearize(
         &self,
-        z: &[f64; BRANCH],
-    ) -> Result<([f64; BALL], [[f64; BRANCH]; BALL]), EvalError> {
-        linear(z, |z: &[Jet<BRANCH>; BRANCH]| self.residual_at(z))
+        z: &[f64; BRANCH_UNKNOWNS],
+    ) -> Result<([f64; BALL_UNKNOWNS], [[f64; BRANCH_UNKNOWNS]; BALL_UNKNOWNS]), EvalError> {
+        linear(z, |z: &[Jet<BRANCH_UNKNOWNS>; BRANCH_UNKNOWNS]| self.residual_at(z))
     }
 
-    fn weights(&self, z: &[f64; BRANCH]) -> [f64; BALL] {
+    fn weights(&self, z: &[f64; BRANCH_UNKNOWNS]) -> [f64; BALL_UNKNOWNS] {
         let motion = self.unit.motion(&self.unknowns(z));
-        motion.map_or([1.0; BALL], |motion| {
+        motion.map_or([1.0; BALL_UNKNOWNS], |motion| {
             self.unit.ball.own_weights(&motion, (-z[LOG_INERTIA]).exp())
         })
     }
 
-    fn sizes(&self, z: &[f64; BRANCH]) -> [f64; BRANCH] {
+    fn sizes(&self, z: &[f64; BRANCH_UNKNOWNS]) -> [f64; BRANCH_UNKNOWNS] {
         let ball = &self.unit.ball;
         let [p, rate] = self.unit.rates(z[PRECESSION]);
-        let mut sizes = [1.0; BRANCH];
+        let mut sizes = [1.0; BRANCH_UNKNOWNS];
         sizes[UNLOADED_FLANK_LOAD] = rate * rate + z[UNLOADED_FLANK_LOAD].abs();
         // With increasing inertia, either the ball stops orbiting or it comes to rest relative to
         // the nut. One of the two precession rates then approaches zero.
@@ -151,16 +153,16 @@ fn sinh<D: Over<f64>>(x: D) -> D {
 impl<'a> Branch<'a> {
     /// Creates the branch equations of a ball.
     fn of(ball: &'a RigidBall<f64>, first: &FirstOrder) -> Self {
-        let from_ground = ball.nut_speed.abs() < FAST_NUT;
+        let uses_absolute_rate = ball.nut_speed.abs() < FAST_NUT_RATIO;
         let unit = ball.with_inertia(ball.inertia_ratio.recip());
         // The variable `rolling` is the slip e₁ p of (R27).
         let rolling = ball.sines.sin_a * ball.arc * ball.per_h * first.precession.abs();
         let slip_unit = if first.slip > MIN_CLEAR_SLIP * rolling { SLIP_UNIT } else { rolling };
-        Self { ball, unit: RigidEquations { ball: unit, from_ground }, slip_unit }
+        Self { ball, unit: RigidEquations { ball: unit, uses_absolute_rate }, slip_unit }
     }
 
     /// Returns the unknowns (R2) at a point of the branch. Forces are divided by `$m r_m W^2$`.
-    fn unknowns<D: Over<f64>>(&self, z: &[D; BRANCH]) -> Unknowns<D> {
+    fn unknowns<D: Over<f64>>(&self, z: &[D; BRANCH_UNKNOWNS]) -> Unknowns<D> {
         let ball = &self.unit.ball;
         let [p, rate] = self.unit.rates(z[PRECESSION]);
         // Q_B/(m r_m W²) = 1/μ_B                                          (R51)
@@ -181,8 +183,11 @@ impl<'a> Branch<'a> {
     /// # Errors
     ///
     /// Returns [`EvalError`] if the direction of friction or of the gyroscopic moment is undefined.
-    fn residual_at<D: Over<f64>>(&self, z: &[D; BRANCH]) -> Result<[D; BALL], EvalError> {
-        cost::evaluated();
+    fn residual_at<D: Over<f64>>(
+        &self,
+        z: &[D; BRANCH_UNKNOWNS],
+    ) -> Result<[D; BALL_UNKNOWNS], EvalError> {
+        cost::count_evaluation();
         let motion = self.unit.motion(&self.unknowns(z));
         let motion = motion.as_ref().map_err(|error| *error)?;
         // F_nut·k − a Q_B = 0                                             (R52)
@@ -190,10 +195,10 @@ impl<'a> Branch<'a> {
     }
 
     /// Returns the beginning of the branch, which is calculated from the first-order solution.
-    fn start(&self, first: &FirstOrder) -> [f64; BRANCH] {
+    fn start(&self, first: &FirstOrder) -> [f64; BRANCH_UNKNOWNS] {
         let ball = self.ball;
         let square = first.rate * first.rate;
-        let axial = ball.held_load();
+        let axial = ball.axial_load_ratio();
         let ratio = (START / square)
             .clamp(START, MAX_START)
             .min(MAX_START_PART * first.inertia_scale / ball.friction())
@@ -204,10 +209,10 @@ impl<'a> Branch<'a> {
             -2.0 * ball.signed * ball.per_h / (inertia * first.rate * self.unit.ball.inertia);
         let tau = first.slip * ball.sin_psi - first.precession * ball.arc;
         let unloaded_slip = first.precession * ball.arc + tau * ball.cos_2b + spin * ball.sin_2b;
-        let mut z = [0.0; BRANCH];
+        let mut z = [0.0; BRANCH_UNKNOWNS];
         (z[NUT_LOAD], z[UNLOADED_FLANK_LOAD]) = (1.0_f64.asinh(), first.unloaded * square);
         (z[LOG_INERTIA], z[AXIAL]) = (inertia.ln(), axial);
-        z[PRECESSION] = if self.unit.from_ground { first.rate } else { first.precession };
+        z[PRECESSION] = if self.unit.uses_absolute_rate { first.rate } else { first.precession };
         z[SLIP] = (first.slip / self.slip_unit).asinh();
         z[SLIP_ANGLE] = ball.sin_psi.atan2(ball.cos_psi);
         z[UNLOADED_SLIP] = (unloaded_slip / SLIP_UNIT).asinh();
@@ -217,7 +222,7 @@ impl<'a> Branch<'a> {
     /// Returns the difference between the inertia at a point of the branch and the actual inertia,
     /// scaled to the range from -1 to 1. The second value is the derivative of this difference
     /// along the direction `way`.
-    fn excess(&self, z: &[f64; BRANCH], way: &[f64; BRANCH]) -> (f64, f64) {
+    fn excess(&self, z: &[f64; BRANCH_UNKNOWNS], way: &[f64; BRANCH_UNKNOWNS]) -> (f64, f64) {
         let per_load = self.ball.inertia_ratio * (-z[LOG_INERTIA]).exp();
         // x = μ a/μ_B,  g = (1 − x)/(1 + |x|)                             (R53)
         let x = per_load * z[AXIAL];
@@ -229,12 +234,12 @@ impl<'a> Branch<'a> {
     }
 
     /// Returns the motion at a point of the branch. Forces are divided by `$m r_m W^2$`.
-    fn motion(&self, z: &[f64; BRANCH]) -> Option<RigidMotion<f64>> {
+    fn motion(&self, z: &[f64; BRANCH_UNKNOWNS]) -> Option<RigidMotion<f64>> {
         self.unit.motion(&self.unknowns(z)).ok()
     }
 
     /// Returns the motion at a root in the scaled units of the ball.
-    fn at_root(&self, z: &[f64; BRANCH]) -> Option<RigidMotion<f64>> {
+    fn at_root(&self, z: &[f64; BRANCH_UNKNOWNS]) -> Option<RigidMotion<f64>> {
         let RigidMotion { loads, speeds, directions, precession, rate, spin_moment, .. } =
             self.motion(z)?;
         let load = self.ball.inertia_ratio;
@@ -263,11 +268,11 @@ impl RigidBall<f64> {
         if !self.has_branch(first) {
             return BranchRoots { motions: Vec::new(), nearest_inertia: None, is_complete: true };
         }
-        searched();
+        count_search();
         let branch = Branch::of(self, first);
         let log = self.inertia_ratio.ln();
         let (mut motions, mut known) = (Vec::new(), 0);
-        let (mut nearest, mut was_admissible) = (None::<(f64, f64)>, first.exists());
+        let (mut nearest, mut was_admissible) = (None::<(f64, f64)>, first.root_exists());
         let towards = from_fn(|i| if i == LOG_INERTIA { 1.0 } else { 0.0 });
         let Trace { end, last, .. } = trace(
             &branch,

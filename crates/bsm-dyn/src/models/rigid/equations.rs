@@ -8,13 +8,13 @@ use nalgebra::SVector;
 
 use super::ball::{RigidBall, RigidMotion};
 use super::first_order::FirstOrder;
-use crate::contact::{DOES_NOT_CIRCLE, Sines, sliding};
+use crate::contact::{DOES_NOT_ORBIT, Sines, sliding};
 use crate::cost;
 use crate::models::ball::equation::MOMENT;
 use crate::models::ball::unknown::{
     NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, UNLOADED_FLANK_LOAD,
 };
-use crate::models::ball::{BALL, ROWS, equations, weight};
+use crate::models::ball::{BALL_UNKNOWNS, EQUATION_NAMES, equations, weight};
 
 /// Minimum ratio of inertia force to friction force (dimensionless). Below this ratio, rounding
 /// errors of the loads would determine the slip at contact A in (R8).
@@ -27,12 +27,12 @@ pub(super) struct RigidEquations<P> {
     /// True if the unknown is the absolute precession rate `$P/W$` instead of the rate `$p$`
     /// relative to the nut. For slowly orbiting balls, the sum `$p + \Omega_n/W$` would suffer from
     /// cancellation.
-    pub(super) from_ground: bool,
+    pub(super) uses_absolute_rate: bool,
 }
 
 /// The seven unknowns of the rigid model (R2): `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\;
 /// \lambda,\; \theta,\; s$`.
-pub type Unknowns<D> = SVector<D, BALL>;
+pub type Unknowns<D> = SVector<D, BALL_UNKNOWNS>;
 
 impl<P: Scalar> RigidEquations<P> {
     /// Returns the precession rates `$p$` and `$P/W$` from the precession unknown, which is one of
@@ -40,7 +40,7 @@ impl<P: Scalar> RigidEquations<P> {
     pub(super) fn rates<D: Over<P>>(&self, unknown: D) -> [D; 2] {
         let nut = self.ball.nut_speed;
         // P = Ω_n + p W                                                   (R3)
-        if self.from_ground { [unknown - nut, unknown] } else { [unknown, unknown + nut] }
+        if self.uses_absolute_rate { [unknown - nut, unknown] } else { [unknown, unknown + nut] }
     }
 
     /// Returns the motion and the loads of the ball for given unknowns.
@@ -51,7 +51,7 @@ impl<P: Scalar> RigidEquations<P> {
     pub(super) fn motion<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<RigidMotion<D>, EvalError> {
         let rates = self.rates(y[PRECESSION]);
         if rates[1].re() == 0.0 {
-            return Err(DOES_NOT_CIRCLE);
+            return Err(DOES_NOT_ORBIT);
         }
         // V_A = W r_b λ (cosθ e_x + sinθ t); the friction direction does not depend on λ  (R7)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
@@ -69,7 +69,7 @@ impl<P: Scalar> RigidEquations<P> {
     ///
     /// Returns the errors of [`motion`](Self::motion).
     pub(super) fn residual<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
-        cost::evaluated();
+        cost::count_evaluation();
         // The motion is passed by reference, because a motion with derivatives takes several
         // kilobytes.
         let motion = self.motion(y);
@@ -84,19 +84,22 @@ impl RigidEquations<f64> {
     /// # Errors
     ///
     /// Returns the errors of [`motion`](Self::motion).
-    pub(super) fn residual_at<D: Over<f64>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+    pub(super) fn residual_at<D: Over<f64>>(
+        &self,
+        y: &[D; BALL_UNKNOWNS],
+    ) -> Result<[D; BALL_UNKNOWNS], EvalError> {
         Ok(self.residual(&Unknowns::from(*y))?.into())
     }
 
     /// Returns the equations whose unknown is the more accurate of the two precession rates,
     /// together with the values of the unknowns for the given motion.
     pub(super) fn at(ball: &RigidBall<f64>, motion: &RigidMotion<f64>) -> (Self, Unknowns<f64>) {
-        let from_ground = motion.rate.abs() < motion.precession.abs();
+        let uses_absolute_rate = motion.rate.abs() < motion.precession.abs();
         let ([nut, unloaded, screw], [x, t]) = (motion.loads, motion.directions[0]);
-        let precession = if from_ground { motion.rate } else { motion.precession };
+        let precession = if uses_absolute_rate { motion.rate } else { motion.precession };
         let (slip, spin) = (motion.speeds[0], motion.spin_moment);
         let unknowns = [nut, unloaded, screw, precession, slip, t.atan2(x), spin];
-        (Self { ball: *ball, from_ground }, unknowns.into())
+        (Self { ball: *ball, uses_absolute_rate }, unknowns.into())
     }
 }
 
@@ -109,9 +112,9 @@ impl RigidBall<f64> {
     }
 
     /// Returns the weights of the seven equations (R10) at a precession rate `$P/W$`.
-    pub(super) fn weights(&self, rate: f64) -> [f64; BALL] {
+    pub(super) fn weights(&self, rate: f64) -> [f64; BALL_UNKNOWNS] {
         let [unit, normal] = self.units(rate).map(weight);
-        let mut weights = [unit; BALL];
+        let mut weights = [unit; BALL_UNKNOWNS];
         weights[MOMENT[1]] = normal;
         weights
     }
@@ -120,7 +123,7 @@ impl RigidBall<f64> {
     /// root (R44). These weights are suitable for any ratio of inertia forces to load.
     ///
     /// * `load`: typical normal load in the unit of force, of the order of the axial load per ball.
-    pub(super) fn own_weights(&self, motion: &RigidMotion<f64>, load: f64) -> [f64; BALL] {
+    pub(super) fn own_weights(&self, motion: &RigidMotion<f64>, load: f64) -> [f64; BALL_UNKNOWNS] {
         let (p, rate) = (motion.precession.abs(), motion.rate.abs());
         // U = max(1, μ(P/W)²),  M = max(U, I |P/W| (|λ| + |p| d/r_b))     (R44)
         let force = (self.inertia_ratio * rate * rate).max(load);
@@ -141,7 +144,7 @@ impl RigidBall<f64> {
     }
 }
 
-equations!(RigidEquations<f64>, BALL, RigidEquations::residual_at, ROWS);
+equations!(RigidEquations<f64>, BALL_UNKNOWNS, RigidEquations::residual_at, EQUATION_NAMES);
 
 #[cfg(test)]
 mod tests {
@@ -158,7 +161,7 @@ mod tests {
         let sines = Angles { lead, contact }.sines();
         RigidEquations {
             ball: RigidBall::new(sines, 5.56, mass, nut, friction),
-            from_ground: false,
+            uses_absolute_rate: false,
         }
     }
 
@@ -189,11 +192,11 @@ mod tests {
             let speeds = case.motion(&y).expect("in the domain").speeds;
             prop_assume!(speeds[1..].iter().all(|speed| *speed > 0.1));
             let exact = jacobian(|y| case.residual(&y), &y).expect("in the domain").1;
-            let variables = Unknowns::from_fn(|i, _| Jet::<BALL>::variable(y[i], i));
+            let variables = Unknowns::from_fn(|i, _| Jet::<BALL_UNKNOWNS>::variable(y[i], i));
             let jets = case.residual(&variables).expect("in the domain");
             // The tolerance allows for the truncation error h²/6 F''', where F''' is at most 1e4,
             // and for the rounding error 1e-16/h.
-            for j in 0..BALL {
+            for j in 0..BALL_UNKNOWNS {
                 // The last unknown is the product of spin and inertia (R5), so its step corresponds
                 // to a step of 1e-4 in the spin.
                 let h = if j == SPIN { 1e-4 * case.ball.inertia } else { 1e-6 };
@@ -205,7 +208,7 @@ mod tests {
                 let difference = (at(h) - at(-h)) / (2.0 * h);
                 let scale = 1.0 + exact.norm();
                 prop_assert!((difference - exact.column(j)).norm() <= 1e-6 * scale, "{j}");
-                for i in 0..BALL {
+                for i in 0..BALL_UNKNOWNS {
                     // Both calculations perform the same operations and differ only by rounding
                     // errors.
                     prop_assert!((jets[i].eps[j] - exact[(i, j)]).abs() <= 1e-12 * scale);
@@ -221,7 +224,7 @@ mod tests {
         let mut y = start(&case);
         y[SLIP_ANGLE] += 0.1;
         let weights = case.ball.weights(case.ball.first_order().rate);
-        let scales = Scales { x: &[1.0; BALL], f: &weights };
+        let scales = Scales { x: &[1.0; BALL_UNKNOWNS], f: &weights };
         let convergence = Convergence { residual_goal: 1e-14, ..Convergence::default() };
         let options = Options { convergence, ..Options::default() };
         let work = &mut Workspace::default();

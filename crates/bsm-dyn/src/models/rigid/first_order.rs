@@ -32,7 +32,7 @@ pub(super) const MIN_STEEP_SINE: f64 = 0.7;
 
 /// Maximum ratio of normal load to axial load (dimensionless). Up to this ratio, rounding errors of
 /// the loads do not affect whether the sweeps end at an admissible motion.
-const MAX_LOAD: f64 = 1e4;
+const MAX_SWEEP_LOAD_RATIO: f64 = 1e4;
 
 /// Smallest precession rate `$|P/W|$` (dimensionless) in the random tests that determined
 /// [`UNIQUE_INERTIA`] and [`UNIQUE_MULTIPLICITY`].
@@ -83,7 +83,7 @@ impl<F: Real> RigidBall<F> {
         // With |A| = |B| = 1, (R25), (R26) and (R27) reduce to (R15), (R13) and (R16); θ = ψ  (R19)
         let state = self.sweep(&start);
         // Q/F_a = 1/[cosα (sinβ − F D)], Eq (C4)                          (R17)
-        let load = self.held_load().recip();
+        let load = self.axial_load_ratio().recip();
         // P/W = p + Ω_n/W,  ε = μ (P/W)²                                  (R14)
         let (rate, inertia) = (state.rate, state.centrifugal);
         let inertia_scale = self.inertia_size(rate);
@@ -119,7 +119,7 @@ impl<F: Real> RigidBall<F> {
 impl<F: Real> FirstOrder<F> {
     /// Returns true if all contact loads in the first-order solution are positive (compressive).
     #[inline(always)]
-    pub(super) fn pushes(&self) -> F::Mask {
+    pub(super) fn has_compressive_loads(&self) -> F::Mask {
         let zero = self.load.constant(0.0);
         self.load.gt(zero) & self.unloaded.gt(zero)
     }
@@ -128,13 +128,13 @@ impl<F: Real> FirstOrder<F> {
     /// sweeps. The normal load is large near self-locking.
     #[inline(always)]
     pub fn is_accurate(&self) -> F::Mask {
-        self.load.abs().lt(self.load.constant(MAX_LOAD))
+        self.load.abs().lt(self.load.constant(MAX_SWEEP_LOAD_RATIO))
     }
 
     /// Returns true if a root exists according to the first-order solution: all contact loads are
     /// positive and the ball slides on the nut.
     #[inline(always)]
-    pub fn exists(&self) -> F::Mask {
-        self.pushes() & self.slip.gt(self.slip.constant(0.0))
+    pub fn root_exists(&self) -> F::Mask {
+        self.has_compressive_loads() & self.slip.gt(self.slip.constant(0.0))
     }
 }

@@ -14,7 +14,7 @@ use super::equations::RigidEquations;
 use super::first_order::FirstOrder;
 use super::sweeps::Sweeps;
 use crate::cost::count_of;
-use crate::models::ball::{BALL, Evidence, NoAnswer, Reason, Workspace};
+use crate::models::ball::{BALL_UNKNOWNS, Evidence, Reason, SolveFailure, Workspace};
 
 /// Maximum ratio of inertia force to friction force (dimensionless) at which the first-order
 /// solution may exclude a root.
@@ -59,12 +59,15 @@ pub struct RigidWorkspace(pub(super) Workspace);
 ///
 /// # Errors
 ///
-/// Returns [`NoAnswer`] with the reason why the branch has no root at the actual inertia, or why
-/// the search failed.
-pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<BallRoot, NoAnswer> {
+/// Returns [`SolveFailure`] with the reason why the branch has no root at the actual inertia, or
+/// why the search failed.
+pub(crate) fn find(
+    ball: &RigidBall<f64>,
+    work: &mut RigidWorkspace,
+) -> Result<BallRoot, SolveFailure> {
     let first = ball.first_order();
-    if let Some(none) = excluded_by_first_order(ball, &first) {
-        return Err(none);
+    if let Some(failure) = excluded_by_first_order(ball, &first) {
+        return Err(failure);
     }
 
     // The first attempt uses sweeps from the first-order solution. If the sweeps converge, they
@@ -80,22 +83,26 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
     // sweeps leave unchanged.
     if swept.converged || (swept.stationary && first.is_unique) {
         let reason = inadmissible(&swept);
-        return Err(unless_it_exists(ball, &first, NoAnswer::none(Evidence::Bound, reason)));
+        return Err(unless_first_order_contradicts(
+            ball,
+            &first,
+            SolveFailure::no_solution(Evidence::Bound, reason),
+        ));
     }
 
     // The second attempt follows the branch from the first-order solution to the actual inertia.
     let branch = ball.follow_branch(&first);
-    if let Some(found) = first_on(ball, &branch, work) {
+    if let Some(found) = first_root_on(ball, &branch, work) {
         return found;
     }
 
     // If the branch was followed completely, there is no root. Otherwise, the continuation failed.
     if !branch.is_complete {
-        return Err(NoAnswer::LOST);
+        return Err(SolveFailure::SEARCH_FAILED);
     }
     let evidence = Evidence::Traced { resolution: MAX_BRANCH_STEP };
-    let reason = why_none(ball, &first, branch.nearest_inertia);
-    Err(unless_it_exists(ball, &first, NoAnswer::none(evidence, reason)))
+    let reason = no_root_reason(ball, &first, branch.nearest_inertia);
+    Err(unless_first_order_contradicts(ball, &first, SolveFailure::no_solution(evidence, reason)))
 }
 
 /// Finds all roots on the branch at the actual inertia and returns the first root with the other
@@ -107,13 +114,13 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
 pub(super) fn find_all(
     ball: &RigidBall<f64>,
     work: &mut RigidWorkspace,
-) -> Result<BallRoot, NoAnswer> {
+) -> Result<BallRoot, SolveFailure> {
     let root = find(ball, work)?;
     if root.alternatives.is_some() {
         return Ok(root);
     }
     let branch = ball.follow_branch(&ball.first_order());
-    let alternatives = match first_on(ball, &branch, work) {
+    let alternatives = match first_root_on(ball, &branch, work) {
         Some(Ok(first)) if first.is_near(&root) => first.alternatives,
         _ => None,
     };
@@ -122,18 +129,18 @@ pub(super) fn find_all(
 
 /// Returns the first root on a branch together with the other roots on this branch, or `None` if
 /// the branch has no root.
-fn first_on(
+fn first_root_on(
     ball: &RigidBall<f64>,
     branch: &BranchRoots,
     work: &mut RigidWorkspace,
-) -> Option<Result<BallRoot, NoAnswer>> {
+) -> Option<Result<BallRoot, SolveFailure>> {
     let (first, others) = branch.motions.split_first()?;
     let first = match refined(ball, first, work) {
         Ok(first) if first.motion.is_admissible() => first,
         // If the refined motion is not admissible, Newton's method has converged to a different
         // root.
-        Ok(_) => return Some(Err(NoAnswer::LOST)),
-        Err(none) => return Some(Err(none)),
+        Ok(_) => return Some(Err(SolveFailure::SEARCH_FAILED)),
+        Err(failure) => return Some(Err(failure)),
     };
     let mut alternatives = Vec::<BallRoot>::new();
     for other in others {
@@ -156,14 +163,14 @@ fn first_on(
 /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia force to friction force. The
 /// constant was determined by random tests: `tests/suite/rigid_campaign.rs` checks that roots
 /// differ from the first-order solution by at most 0.077 times this ratio.
-fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<NoAnswer> {
+fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<SolveFailure> {
     let inertia = first.inertia_scale / ball.friction();
     if inertia >= SMALL_INERTIA {
         return None;
     }
     let error = FIRST_ORDER_ERROR * inertia;
     let reason = if first.rate == 0.0 {
-        Reason::BallDoesNotCircle
+        Reason::BallDoesNotOrbit
     } else if first.load <= 0.0 {
         // The difference between these two terms is the denominator of the load formula (R17).
         let (sin_contact_angle, friction_term) = locking_terms(ball);
@@ -183,20 +190,24 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     } else {
         return None;
     };
-    Some(NoAnswer::none(Evidence::Bound, reason))
+    Some(SolveFailure::no_solution(Evidence::Bound, reason))
 }
 
 /// Returns the given verdict that no root exists, unless the first-order solution indicates a root
 /// by a margin larger than its error. In that case, the function reports a failed search, because
 /// rounding errors of large loads near self-locking can affect the sweeps and the continuation.
-fn unless_it_exists(ball: &RigidBall<f64>, first: &FirstOrder, verdict: NoAnswer) -> NoAnswer {
+fn unless_first_order_contradicts(
+    ball: &RigidBall<f64>,
+    first: &FirstOrder,
+    verdict: SolveFailure,
+) -> SolveFailure {
     let loaded = first.inertia_scale / ball.friction() * first.load;
     let error = FIRST_ORDER_ERROR * loaded;
     let exists = loaded < SMALL_INERTIA
-        && first.exists()
+        && first.root_exists()
         && first.sliding_margin > margin_error(ball, first, error)
         && first.rate.abs() > 2.0 * error;
-    if exists { NoAnswer::LOST } else { verdict }
+    if exists { SolveFailure::SEARCH_FAILED } else { verdict }
 }
 
 /// Refines a root by Newton's method with the weights (R44), which are necessary if the inertia
@@ -209,7 +220,7 @@ pub(super) fn refined(
     ball: &RigidBall<f64>,
     motion: &RigidMotion<f64>,
     work: &mut RigidWorkspace,
-) -> Result<BallRoot, NoAnswer> {
+) -> Result<BallRoot, SolveFailure> {
     let (equations, mut unknowns) = RigidEquations::at(ball, motion);
     let weights = ball.own_weights(motion, 1.0);
     let convergence = Convergence {
@@ -220,10 +231,10 @@ pub(super) fn refined(
         ..Convergence::default()
     };
     let options = Options { convergence, ..Options::default() };
-    let scales = Scales { x: &[1.0; BALL], f: &weights };
+    let scales = Scales { x: &[1.0; BALL_UNKNOWNS], f: &weights };
     let report = solve(&equations, &mut unknowns.data.0[0], &scales, &options, &mut work.0).report;
     if !report.converged() {
-        return Err(NoAnswer::not_converged(Reason::from(report)));
+        return Err(SolveFailure::not_converged(Reason::from(report)));
     }
     let motion = equations.motion(&unknowns).expect("the residual was evaluated at the root");
     Ok(BallRoot {
@@ -248,9 +259,11 @@ fn inadmissible(swept: &Sweeps<f64>) -> Reason {
 }
 
 /// Returns the reason why a branch has no root at the actual inertia.
-fn why_none(ball: &RigidBall<f64>, first: &FirstOrder, nearest: Option<f64>) -> Reason {
-    match nearest {
-        Some(nearest) => Reason::NoRootAtInertia { inertia_ratio: ball.inertia_ratio, nearest },
+fn no_root_reason(ball: &RigidBall<f64>, first: &FirstOrder, nearest_ratio: Option<f64>) -> Reason {
+    match nearest_ratio {
+        Some(nearest_ratio) => {
+            Reason::NoRootAtInertia { inertia_ratio: ball.inertia_ratio, nearest_ratio }
+        }
         None if first.load <= 0.0 => self_locking(ball),
         None if first.unloaded <= 0.0 => unloaded_flank_would_pull(first),
         None => would_roll(first),
@@ -302,9 +315,10 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
     let slip = |lead_angle: f64| slip_at_nut(&at(lead_angle));
     let lead_angle = ball.sines.sin_a.atan2(ball.sines.cos_a);
     let above = successors(Some(lead_angle), |lead_angle| Some(lead_angle + STEP));
-    let slides = above
-        .take_while(|lead_angle| *lead_angle <= MAX_LEAD_ANGLE)
-        .find(|lead_angle| at(*lead_angle).first_order().exists() && slip(*lead_angle) > 0.0)?;
+    let slides =
+        above.take_while(|lead_angle| *lead_angle <= MAX_LEAD_ANGLE).find(|lead_angle| {
+            at(*lead_angle).first_order().root_exists() && slip(*lead_angle) > 0.0
+        })?;
     let ends = [lead_angle, slides];
     let bracket = Bracket { x_tol: 1e-9, ..Bracket::new(ends, ends.map(slip)) };
     bracket.root(slip).root().map(|root| root.x)
@@ -315,7 +329,7 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
 /// solution, and NaN if the sweeps do not become stationary.
 fn slip_at_nut(ball: &RigidBall<f64>) -> f64 {
     let first = ball.first_order();
-    if !first.pushes() {
+    if !first.has_compressive_loads() {
         return f64::NEG_INFINITY;
     }
     let swept = ball.sweeps(&first);

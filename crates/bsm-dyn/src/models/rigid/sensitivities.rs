@@ -7,14 +7,16 @@ use bsm_kin::Jet;
 use super::equations::{MIN_INERTIA, RigidEquations};
 use super::{Rigid, RigidWorkspace, root};
 use crate::contact::efficiency;
-use crate::models::ball::{BALL, NoAnswer, Performance, domain_error, inertia_limit, moving_root};
+use crate::models::ball::{
+    BALL_UNKNOWNS, Performance, SolveFailure, domain_error, inertia_limit, moving_root,
+};
 
 impl<const M: usize> Rigid<Jet<M>> {
     /// Returns the efficiency and the torque with their derivatives with respect to the inputs.
     pub(crate) fn sensitivities(
         &self,
         work: &mut RigidWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let (inputs, values) = (self.ball()?, Rigid { point: self.point.values() }.ball()?);
         let first = values.first_order();
         inertia_limit(MIN_INERTIA * values.friction() / first.inertia_scale, |factor| {
@@ -22,8 +24,9 @@ impl<const M: usize> Rigid<Jet<M>> {
             let motion = root::find(&values, work)?.motion;
             let (equations, unknowns) = RigidEquations::at(&values, &motion);
             let weights = values.own_weights(&motion, 1.0);
-            let moved = RigidEquations { ball: inputs, from_ground: equations.from_ground };
-            let residual = |y: &[_; BALL]| Ok(moved.residual(&(*y).into())?.into());
+            let moved =
+                RigidEquations { ball: inputs, uses_absolute_rate: equations.uses_absolute_rate };
+            let residual = |y: &[_; BALL_UNKNOWNS]| Ok(moved.residual(&(*y).into())?.into());
             let unknowns =
                 moving_root(&equations, &unknowns.into(), &weights, residual, &mut work.0)?;
             let motion = moved.motion(&unknowns.into()).map_err(domain_error)?;

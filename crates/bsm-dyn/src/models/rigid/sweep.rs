@@ -108,7 +108,7 @@ impl<F: Real> RigidBall<F> {
     /// the next sweep.
     #[inline(always)]
     pub(super) fn sweep(&self, given: &Directions<F>) -> SweepState<F> {
-        cost::evaluated();
+        cost::count_evaluation();
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
         let (f, one) = (self.signed, self.constant(1.0));
         let (c, s_psi, h) = (self.cos_psi, self.sin_psi, self.h);

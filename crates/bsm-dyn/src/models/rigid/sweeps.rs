@@ -54,7 +54,7 @@ impl<F: Real> RigidBall<F> {
     pub fn sweeps(&self, first: &FirstOrder<F>) -> Sweeps<F> {
         let one = self.constant(1.0);
         let inertia = first.inertia_scale / self.friction();
-        let guided = first.pushes() & inertia.lt(self.constant(MAX_INERTIA));
+        let guided = first.has_compressive_loads() & inertia.lt(self.constant(MAX_INERTIA));
         let (mut directions, mut last) = (first.next, first.change);
         let mut moving = guided;
         let mut count = one + 1.0;

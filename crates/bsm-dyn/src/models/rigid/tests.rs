@@ -98,13 +98,13 @@ fn roots_from_random_starts(
             // The weights of the equations are recalculated for every iterate.
             let Ok(motion) = case.motion(&y) else { break };
             let weights = ball.own_weights(&motion, 1.0);
-            let scales = Scales { x: &[1.0; BALL], f: &weights };
+            let scales = Scales { x: &[1.0; BALL_UNKNOWNS], f: &weights };
             let convergence = Convergence { max_steps: 30, ..Convergence::default() };
             let options = Options { convergence, ..Options::default() };
             let report = solve(&case, &mut y.data.0[0], &scales, &options, newton).report;
             if report.converged() && report.steps.is_empty() && motion.is_admissible() {
                 // Spurious roots at infinity do not satisfy the power balance.
-                let solved = ball.solved(&motion, &rigid.units(), rigid.contact_angle, false);
+                let solved = ball.steady_state(&motion, &rigid.units(), rigid.contact_angle, false);
                 let imbalance = solved.transmission.power_balance;
                 let root =
                     BallRoot { motion, steps: 0, residual: report.residual, alternatives: None };
@@ -133,16 +133,17 @@ fn random_starts_find_no_root_where_there_is_no_solution() {
     while no_solution < campaign(NO_SOLUTION) {
         let rigid = practical_point(&mut rng);
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
-        let answer = root::find(&case, &mut work);
+        let result = root::find(&case, &mut work);
         // If inertia is negligible, the first-order solution already proves that there is no root.
         if case.inertia_ratio < 1e-3 * case.friction() {
             continue;
         }
-        match answer {
-            Err(none) if none.status() == Status::NoSolution => {
+        match result {
+            Err(failure) if failure.status() == Status::NoSolution => {
                 no_solution += 1;
                 let roots = roots_from_random_starts((&rigid, &case), 1, &mut rng, &mut newton);
-                refuted.extend(roots.into_iter().map(|root| (rigid, none.reason().clone(), root)));
+                refuted
+                    .extend(roots.into_iter().map(|root| (rigid, failure.reason().clone(), root)));
             }
             Ok(_) if found < no_solution => {
                 found += 1;
@@ -644,14 +645,15 @@ fn root_exists_at_reported_nearest_inertia() {
     while named < 50 {
         let rigid = random_extreme_point(&mut rng);
         let solution = Rigid { point: rigid }.solve(&mut work);
-        let Some(Reason::NoRootAtInertia { inertia_ratio, nearest }) = solution.reason() else {
+        let Some(Reason::NoRootAtInertia { inertia_ratio, nearest_ratio }) = solution.reason()
+        else {
             continue;
         };
         named += 1;
         // The branch ends at the reported inertia, so the test uses an inertia that is 0.1 % inside
         // the branch.
-        let back = if nearest < inertia_ratio { 0.999 } else { 1.001 };
-        let axial = rigid.load.axial * inertia_ratio / (back * nearest);
+        let back = if nearest_ratio < inertia_ratio { 0.999 } else { 1.001 };
+        let axial = rigid.load.axial * inertia_ratio / (back * nearest_ratio);
         balanced_root(&OperatingPoint { load: Load { axial, ..rigid.load }, ..rigid });
     }
 }

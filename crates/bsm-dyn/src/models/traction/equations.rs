@@ -15,18 +15,20 @@ use crate::cost;
 use crate::ellipse::{FrozenRule, Integral, Integrate, Patch, Placement, Quadrature, surface_drop};
 use crate::models::ball::equation::{AXIAL_LOAD, FORCE, MOMENT};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::models::ball::{BALL, BallLoads, EhlPoint, ElasticContacts, ScaledFilm, weight};
+use crate::models::ball::{
+    BALL_UNKNOWNS, BallLoads, EhlPoint, ElasticContacts, ScaledFilm, weight,
+};
 
 /// Indices of the components of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 pub(super) const OMEGA: [usize; 3] = [4, 5, 6];
 
 /// Accuracy of the coarse quadrature that is used first (relative to the friction force).
-pub(crate) const COARSE: f64 = 1e-4;
+pub(crate) const COARSE_ACCURACY: f64 = 1e-4;
 
 /// Accuracy of the quadrature for the search that follows if Newton's method fails with the coarse
 /// quadrature (relative to the friction force). The sums of this quadrature are smooth enough for
 /// continuation.
-pub(crate) const SEARCH: f64 = 1e-6;
+pub(crate) const SEARCH_ACCURACY: f64 = 1e-6;
 
 /// Scaled residual at which the solve with the coarse quadrature ends and the solve with the
 /// requested quadrature begins.
@@ -34,7 +36,7 @@ pub(crate) const COARSE_RESIDUAL: f64 = 1e-3;
 
 /// Maximum scaled residual before the final Newton step of a solve. The residual after this step is
 /// not evaluated.
-pub(super) const ROOT: f64 = 1e-10;
+pub(super) const ROOT_RESIDUAL: f64 = 1e-10;
 
 /// Scaled residual below which Newton steps reuse the Jacobian. If the square root of the residual
 /// goal exceeds this constant, the square root is used as the limit instead.
@@ -42,7 +44,7 @@ const CHORD_RESIDUAL: f64 = 1e-3;
 
 /// Ratio of nut speed to relative speed above which the unknown precession rate is measured
 /// relative to the nut.
-const FAST_NUT: f64 = 2.0;
+const FAST_NUT_RATIO: f64 = 2.0;
 
 /// Default limits of a solve: maximum number of Newton steps, and maximum number of halvings of
 /// each step.
@@ -64,8 +66,8 @@ pub(super) struct SlipBall<'a, P = f64> {
     /// slip.
     pub(super) frozen_rules: Option<&'a [OnceCell<FrozenRule>; 2]>,
     pub(super) creep: f64,
-    /// Scaled residual up to which a root is refined. The residual tolerance is [`ROOT`] or, if
-    /// larger, this goal.
+    /// Scaled residual up to which a root is refined. The residual tolerance is [`ROOT_RESIDUAL`]
+    /// or, if larger, this goal.
     pub(super) residual_goal: f64,
     /// True if the unknowns for high centrifugal loads (T10) are used.
     pub(super) uses_nut_angle: bool,
@@ -94,7 +96,7 @@ pub(super) struct Lubrication<'a, P = f64> {
 /// the nut and the screw, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Evaluation<D = f64> {
-    pub(super) residual: [D; BALL],
+    pub(super) residual: [D; BALL_UNKNOWNS],
     pub(super) torque: D,
     /// Sliding powers at the nut and the screw. The powers have no derivatives if they are
     /// calculated with the vectorized sums over the contact ellipses.
@@ -151,7 +153,10 @@ pub(super) struct MeanAngle<D> {
 ///
 /// * `lead`: sine and cosine of the lead angle.
 #[inline(always)]
-pub(super) fn frenet<P: Copy, D: RealOver<P>>((sin, cos): (P, P), y: &[D; BALL]) -> [D; 3] {
+pub(super) fn frenet<P: Copy, D: RealOver<P>>(
+    (sin, cos): (P, P),
+    y: &[D; BALL_UNKNOWNS],
+) -> [D; 3] {
     let [along, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
     // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
     [along * sin - around * cos, radial, along * cos + around * sin]
@@ -172,7 +177,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// Returns the distances from the ball center to the arc centers, or `None` if a contact
     /// carries no load.
     #[inline(always)]
-    fn arc_distances<D: Over<P>>(&self, y: &[D; BALL]) -> Option<ArcDistances<D>> {
+    fn arc_distances<D: Over<P>>(&self, y: &[D; BALL_UNKNOWNS]) -> Option<ArcDistances<D>> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
         let scaled = &self.contacts.scaled;
         // a ~ Q^{1/3},  δ = (Q/K_H)^{2/3}                                 (P6), (P2)
@@ -221,7 +226,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     #[inline(always)]
     pub(super) fn loaded_angles<D: Over<P>>(
         &self,
-        y: &[D; BALL],
+        y: &[D; BALL_UNKNOWNS],
         tilt: (D, D),
     ) -> Option<MeanAngle<D>> {
         self.mean_angle(self.arc_distances(y)?.lengths, tilt)
@@ -233,7 +238,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     #[inline(always)]
     pub(super) fn contact_motions<D: Over<P>>(
         &self,
-        y: &[D; BALL],
+        y: &[D; BALL_UNKNOWNS],
         angles: [(D, D); 2],
     ) -> [ContactMotion<D>; 2] {
         let (lead, arc) = (self.contacts.scaled.lead, self.contacts.scaled.arc);
@@ -248,7 +253,7 @@ impl<P: Scalar> SlipBall<'_, P> {
 
     /// Returns the geometry of the contacts for given unknowns, or `None` if a contact is lost.
     #[inline(always)]
-    fn contact_geometry<D: Over<P>>(&self, y: &[D; BALL]) -> Option<ContactGeometry<D>> {
+    fn contact_geometry<D: Over<P>>(&self, y: &[D; BALL_UNKNOWNS]) -> Option<ContactGeometry<D>> {
         let ArcDistances { growth, lengths: [l_a, l_b] } = self.arc_distances(y)?;
         let (zero, one) = (l_a.constant(0.0), l_a.constant(1.0));
         let scaled = &self.contacts.scaled;
@@ -292,15 +297,15 @@ impl<P: Scalar> SlipBall<'_, P> {
     #[inline(always)]
     fn balance<D: Over<P>>(
         &self,
-        y: &[D; BALL],
+        y: &[D; BALL_UNKNOWNS],
         geometry: &ContactGeometry<D>,
         friction: &[Integral<D>; 2],
         rate: D,
-    ) -> ([D; BALL], D) {
+    ) -> ([D; BALL_UNKNOWNS], D) {
         let scaled = &self.contacts.scaled;
         let (sin_lead, cos_lead) = scaled.lead;
         let ([force_t, force_n, force_c], [moment_t, moment_n, moment_c]) = (FORCE, MOMENT);
-        let mut residual = [y[0].constant(0.0); BALL];
+        let mut residual = [y[0].constant(0.0); BALL_UNKNOWNS];
         let mut torque = residual[0];
         for i in 0..2 {
             // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                           (T2)
@@ -348,7 +353,10 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// # Errors
     ///
     /// Returns [`EvalError`] if a contact is lost.
-    pub(super) fn loaded<D: Over<P>>(&self, y: &[D; BALL]) -> Result<BallLoads<D>, EvalError> {
+    pub(super) fn loaded<D: Over<P>>(
+        &self,
+        y: &[D; BALL_UNKNOWNS],
+    ) -> Result<BallLoads<D>, EvalError> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
         if self.uses_nut_angle {
             // The unknowns are Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/W, …      (T10)
@@ -361,7 +369,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// Returns the motion of the ball relative to the nut for given unknowns.
     pub(super) fn motion_to_nut<D: Over<P>>(
         &self,
-        y: &[D; BALL],
+        y: &[D; BALL_UNKNOWNS],
         loaded: &BallLoads<D>,
     ) -> Motion<D> {
         let [t, n, b] = frenet(self.contacts.scaled.lead, y);
@@ -373,7 +381,7 @@ impl<P: Scalar> SlipBall<'_, P> {
 
     /// Returns the precession rate relative to the nut for given unknowns.
     #[inline(always)]
-    fn rate_to_nut<D: Over<P>>(&self, y: &[D; BALL]) -> D {
+    fn rate_to_nut<D: Over<P>>(&self, y: &[D; BALL_UNKNOWNS]) -> D {
         y[PRECESSION] + (self.offset() - self.contacts.scaled.nut_speed)
     }
 
@@ -384,7 +392,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// Returns [`EvalError`] if a contact is lost.
     pub(super) fn evaluated<D: Integrate<P>>(
         &self,
-        y: &[D; BALL],
+        y: &[D; BALL_UNKNOWNS],
     ) -> Result<Evaluation<D>, EvalError> {
         let rate = y[PRECESSION] + self.offset();
         self.evaluated_at(y, D::from(self.contacts.friction), rate)
@@ -398,11 +406,11 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// Returns [`EvalError`] if a contact is lost.
     pub(super) fn evaluated_at<D: Integrate<P>>(
         &self,
-        y: &[D; BALL],
+        y: &[D; BALL_UNKNOWNS],
         friction: D,
         rate: D,
     ) -> Result<Evaluation<D>, EvalError> {
-        cost::evaluated();
+        cost::count_evaluation();
         let mut found = Arch::new().dispatch(Evaluate { ball: self, y, friction, rate })?;
         if let Some(push) = &self.push {
             let loaded = self.loaded(y)?;
@@ -417,13 +425,13 @@ impl<P: Scalar> SlipBall<'_, P> {
         Placement {
             rule: self.quadrature,
             frozen_rule: self.frozen_rules.map(|rules| &rules[i]),
-            coarse: self.is_first_try() && self.lubrication.is_none(),
+            coarse: self.is_coarse_solve() && self.lubrication.is_none(),
         }
     }
 
     /// Returns true if the root serves only as a starting value for a solve with another
     /// quadrature.
-    pub(super) fn is_first_try(&self) -> bool {
+    pub(super) fn is_coarse_solve(&self) -> bool {
         self.residual_goal >= COARSE_RESIDUAL
     }
 
@@ -436,7 +444,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     #[inline(always)]
     pub(super) fn offset(&self) -> P {
         let nut = self.contacts.scaled.nut_speed;
-        if self.uses_nut_angle || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
+        if self.uses_nut_angle || nut.re().abs() > FAST_NUT_RATIO { nut } else { P::from(0.0) }
     }
 
     /// Returns the residuals of the seven equations for given unknowns.
@@ -444,7 +452,10 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// # Errors
     ///
     /// Returns [`EvalError`] if a contact is lost.
-    pub(super) fn residual<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
+    pub(super) fn residual<D: Integrate<P>>(
+        &self,
+        y: &[D; BALL_UNKNOWNS],
+    ) -> Result<[D; BALL_UNKNOWNS], EvalError> {
         Ok(self.evaluated(y)?.residual)
     }
 }
@@ -452,7 +463,7 @@ impl<P: Scalar> SlipBall<'_, P> {
 /// Arguments for evaluating the equations of a ball without neighbors.
 struct Evaluate<'a, P, D> {
     ball: &'a SlipBall<'a, P>,
-    y: &'a [D; BALL],
+    y: &'a [D; BALL_UNKNOWNS],
     friction: D,
     rate: D,
 }
@@ -531,13 +542,18 @@ impl<P: Scalar> Lubrication<'_, P> {
         let loss = |i: usize| {
             let ([speed, _, _, around], (unit, power)) = (geometry.patches[i].motion, sums[i]);
             let load = contacts.signed(loads[i]);
-            let [push, couple] = films[i].resist(around, creep);
+            let [force, couple] = films[i].rolling_resistance(around, creep);
             let mut wrench = unit.times(load);
             // ∫ dF + F_h,  ∫ r × dF + r × F_h + C_h                       (Y32)
-            wrench.force[0] += contacts.signed(push);
-            wrench.moment[2] += contacts.signed(push + couple);
-            let resisted = ScaledFilm::resisted([push, couple], speed, around);
-            ContactLoss { wrench, sliding: load * power, rolling: contacts.signed(resisted) }
+            wrench.force[0] += contacts.signed(force);
+            wrench.moment[2] += contacts.signed(force + couple);
+            let resistance_power =
+                ScaledFilm::rolling_resistance_power([force, couple], speed, around);
+            ContactLoss {
+                wrench,
+                sliding: load * power,
+                rolling: contacts.signed(resistance_power),
+            }
         };
         [loss(0), loss(1)]
     }
@@ -571,7 +587,7 @@ impl<'a, P> SlipBall<'a, P> {
         let chord_below = if by_jets { 0.0 } else { self.residual_goal.sqrt().max(CHORD_RESIDUAL) };
         Options {
             convergence: Convergence {
-                residual_tol: self.residual_goal.max(ROOT),
+                residual_tol: self.residual_goal.max(ROOT_RESIDUAL),
                 residual_goal: self.residual_goal,
                 max_steps,
             },
@@ -583,8 +599,12 @@ impl<'a, P> SlipBall<'a, P> {
 
 impl SlipBall<'_> {
     /// Returns the unknowns (T1) or (T10) that correspond to given contacts and motion.
-    pub(super) fn unknowns(&self, loaded: &BallLoads<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
-        let mut y = [0.0; BALL];
+    pub(super) fn unknowns(
+        &self,
+        loaded: &BallLoads<f64>,
+        to_nut: &Motion<f64>,
+    ) -> [f64; BALL_UNKNOWNS] {
+        let mut y = [0.0; BALL_UNKNOWNS];
         [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
         y[TILT] = if self.uses_nut_angle { loaded.angles[0] } else { loaded.tilt };
         y[PRECESSION] = to_nut.precession + self.contacts.scaled.nut_speed - self.offset();
@@ -596,18 +616,23 @@ impl SlipBall<'_> {
     }
 
     /// Returns the precession rate divided by `$W$`.
-    pub(super) fn rate(&self, y: &[f64; BALL]) -> f64 {
+    pub(super) fn rate(&self, y: &[f64; BALL_UNKNOWNS]) -> f64 {
         y[PRECESSION] + self.offset()
     }
 
     /// Returns the weights of the seven equations (T3).
-    pub(super) fn weights(&self, y: &[f64; BALL]) -> [f64; BALL] {
+    pub(super) fn weights(&self, y: &[f64; BALL_UNKNOWNS]) -> [f64; BALL_UNKNOWNS] {
         self.weights_of(y, self.contacts.friction, self.rate(y))
     }
 
     /// Returns the weights of the seven equations (T3) for a given friction coefficient and for
     /// inertia forces at a given precession rate.
-    pub(super) fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
+    pub(super) fn weights_of(
+        &self,
+        y: &[f64; BALL_UNKNOWNS],
+        friction: f64,
+        rate: f64,
+    ) -> [f64; BALL_UNKNOWNS] {
         let centrifugal = self.contacts.inertia_ratio() * rate * rate;
         let across = if self.uses_nut_angle {
             centrifugal.min(self.friction_force(y, friction, centrifugal))
@@ -623,7 +648,7 @@ impl SlipBall<'_> {
     /// slip is as large as the velocities whose difference is the slip (T11).
     ///
     /// * `load`: centrifugal force divided by the axial load.
-    fn friction_force(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {
+    fn friction_force(&self, y: &[f64; BALL_UNKNOWNS], friction: f64, load: f64) -> f64 {
         // f C (|P − Ω_n| r_m + |ω'|)/v_e                                  (T11)
         let turning = OMEGA.iter().map(|i| y[*i].abs()).sum::<f64>();
         let slip = y[PRECESSION].abs() * self.contacts.helix.radius + turning;
@@ -631,7 +656,7 @@ impl SlipBall<'_> {
     }
 
     /// Returns the largest lever arm of the friction forces, divided by the ball radius.
-    pub(super) fn lever(&self, y: &[f64; BALL]) -> f64 {
+    pub(super) fn lever(&self, y: &[f64; BALL_UNKNOWNS]) -> f64 {
         let lengths = [(0, NUT_LOAD), (1, SCREW_LOAD)]
             .map(|(i, load)| self.contacts.scaled.semi_axes[i].0 * Real::cbrt(y[load]));
         lever(lengths, self.contacts.scaled.pressed_radius)

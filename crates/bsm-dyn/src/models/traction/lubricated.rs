@@ -7,13 +7,13 @@ use std::cell::OnceCell;
 use bsm_kin::{Helix, Jet};
 use bsm_newton::{Continuation, follow};
 
-use super::equations::{COARSE, COARSE_RESIDUAL, Lubrication, SEARCH, SlipBall};
+use super::equations::{COARSE_ACCURACY, COARSE_RESIDUAL, Lubrication, SEARCH_ACCURACY, SlipBall};
 use super::root::{RootWithPower, SlipRoot};
 use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{
-    EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, NoAnswer, SolveInfo,
+    EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, SolveFailure, SolveInfo,
     SteadyRoot, Workspace, domain_error, moving_root, to_both,
 };
 use crate::models::raceway_control::RollingBall;
@@ -21,7 +21,7 @@ use crate::models::workspace::ModelWorkspace;
 
 /// Scaled residual up to which a lubricated root is refined. At this residual, the power imbalance
 /// is at most a tenth of its tolerance.
-pub(super) const ENOUGH: f64 = 1e-11;
+pub(super) const LUBRICATED_RESIDUAL_GOAL: f64 = 1e-11;
 
 /// Limits for each step of the continuation in which the lubricant friction is increased: maximum
 /// number of Newton steps, and maximum number of halvings of a Newton step.
@@ -49,24 +49,24 @@ impl SlipBall<'_> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if both methods fail.
+    /// Returns [`SolveFailure`] if both methods fail.
     fn search_lubricated(
         &self,
         near: &SlipRoot,
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Result<SlipRoot, NoAnswer> {
+    ) -> Result<SlipRoot, SolveFailure> {
         let here = self.of(near);
-        let mut failure = NoAnswer::LOST;
+        let mut failure = SolveFailure::SEARCH_FAILED;
         for ball in [here, here.complete(1.0)] {
             match ball.solved(near.unknowns, newton, steps) {
                 Ok(root) => return Ok(root),
-                Err(reason) => failure = NoAnswer::not_converged(reason),
+                Err(reason) => failure = SolveFailure::not_converged(reason),
             }
         }
-        crate::cost::searched();
+        crate::cost::count_search();
         let mut y = near.unknowns;
-        let control = Continuation { first: 0.25, shortest: 0.01 };
+        let control = Continuation { first_step: 0.25, min_step: 0.01 };
         let arrived = follow(&mut y, (0.0, 1.0), control, |fraction, y| {
             let report =
                 SlipBall { limits: SHARE_LIMITS, ..here.complete(fraction) }.run(y, newton).report;
@@ -97,14 +97,14 @@ impl Traction {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root is found.
+    /// Returns [`SolveFailure`] if no root is found.
     fn lubricated_root(
         &self,
         ehl: &EhlPoint,
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
-    ) -> Result<ScaledRoot, NoAnswer> {
-        let contacts = self.at.scaled()?;
+    ) -> Result<ScaledRoot, SolveFailure> {
+        let contacts = self.screw.scaled()?;
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
         let Start { rolling_ball, .. } = Start::new(&contacts, rolling_ball.ok().as_ref())?;
         let creep = self.creep * contacts.slip_scale();
@@ -113,9 +113,9 @@ impl Traction {
         let contacts = contacts.with_friction(scale);
         let TractionWorkspace { newton, rules, .. } = work;
         let [coarse, search] = rules
-            .dry([COARSE, SEARCH])
+            .dry([COARSE_ACCURACY, SEARCH_ACCURACY])
             .map(|[rule, _]| SlipBall::of_contacts(&contacts, rule, creep));
-        let rules = oil.oil.of_oil([COARSE, SEARCH, self.accuracy]);
+        let rules = oil.oil.of_oil([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]);
         let [rough, smooth, fine] =
             rules.map(|[rule, _]| SlipBall::of_contacts(&contacts, rule, creep).lubricated(ehl));
         let [.., [_, check]] = rules;
@@ -131,16 +131,17 @@ impl Traction {
         } else {
             // A lubricated root may exist even if there is no root with a constant friction
             // coefficient.
-            let near =
-                search.search(&rolling_ball, newton, &mut steps).map_err(|_| NoAnswer::LOST)?;
+            let near = search
+                .search(&rolling_ball, newton, &mut steps)
+                .map_err(|_| SolveFailure::SEARCH_FAILED)?;
             smooth.search_lubricated(&near, newton, &mut steps)?
         };
         let frozen_rules = Default::default();
-        let fine = SlipBall { residual_goal: ENOUGH, ..fine };
+        let fine = SlipBall { residual_goal: LUBRICATED_RESIDUAL_GOAL, ..fine };
         let refined = fine
             .refined(&root, &frozen_rules, newton, &mut steps)
             .or_else(|| fine.complete(1.0).refined(&root, &frozen_rules, newton, &mut steps))
-            .ok_or(NoAnswer::LOST)?;
+            .ok_or(SolveFailure::SEARCH_FAILED)?;
         let RootWithPower { root, transmitted, torque_slope, .. } = &refined;
         let checked = SlipBall { quadrature: check, ..fine.of(root) };
         let other = checked.evaluated(&root.unknowns).ok();
@@ -156,13 +157,13 @@ impl Traction {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root is found.
+    /// Returns [`SolveFailure`] if no root is found.
     pub(crate) fn lubricated(
         &self,
         ehl: &EhlPoint,
         work: &mut TractionWorkspace,
         oil: &mut LubricatedWorkspace,
-    ) -> Result<SteadyRoot, NoAnswer> {
+    ) -> Result<SteadyRoot, SolveFailure> {
         let ScaledRoot { contacts, rolling_ball, refined, steps, error, .. } =
             self.lubricated_root(ehl, work, oil)?;
         let RootWithPower { root, transmitted, loaded, .. } = refined;
@@ -175,7 +176,7 @@ impl Traction {
             ehl.loss_of(i, (&contacts, &loaded), &motions[i], creep, transmitted.sliding[i])
         });
         let unit = contacts.unit_powers(&loaded, &to_nut, creep, [0, 1].map(|i| ball.nodes(i)));
-        let torque = transmitted.torque * self.at.point.units().torque;
+        let torque = transmitted.torque * self.screw.point.units().torque;
         let info = SolveInfo { steps, residual: root.residual };
         let steady = LubricatedState { loaded, to_nut, losses, torque };
         let (skid, error) = (rolling_ball.skid(&contacts), Some(error));
@@ -186,8 +187,8 @@ impl Traction {
 impl<const M: usize> Traction<Jet<M>> {
     /// Returns the inputs of the model without derivatives.
     pub(crate) fn values(&self) -> Traction {
-        let Self { at, accuracy, creep } = *self;
-        Traction { at: at.values(), accuracy, creep }
+        let Self { screw, accuracy, creep } = *self;
+        Traction { screw: screw.values(), accuracy, creep }
     }
 
     /// Returns the operating point in scaled units and the steady state of the lubricated ball,
@@ -197,14 +198,14 @@ impl<const M: usize> Traction<Jet<M>> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root is found or the Jacobian is singular at the root.
+    /// Returns [`SolveFailure`] if no root is found or the Jacobian is singular at the root.
     pub(crate) fn lubricated_slopes(
         &self,
         ehl: &EhlPoint<Jet<M>>,
         values: &EhlPoint,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
-    ) -> Result<(ElasticContacts<Jet<M>>, LubricatedState<Jet<M>>), NoAnswer> {
-        let inputs = self.at.scaled()?;
+    ) -> Result<(ElasticContacts<Jet<M>>, LubricatedState<Jet<M>>), SolveFailure> {
+        let inputs = self.screw.scaled()?;
         let ScaledRoot { contacts, refined: RootWithPower { root, .. }, frozen_rules, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;
         let creep = self.creep * contacts.slip_scale();
@@ -226,7 +227,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let losses = std::array::from_fn(|i| {
             ehl.loss_of(i, (&inputs, &loaded), &motions[i], creep, found.sliding[i])
         });
-        let torque = found.torque * self.at.point.units().torque;
+        let torque = found.torque * self.screw.point.units().torque;
         Ok((inputs, LubricatedState { loaded, to_nut, losses, torque }))
     }
 }

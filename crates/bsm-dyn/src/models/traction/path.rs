@@ -7,20 +7,20 @@ use std::array::from_fn;
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_newton::{
-    Continuation, EvalError, EventRoot, Homotopy, JacobianUpdate, PathEnd, Seed, StepControl,
+    Continuation, CurveEquations, EvalError, EventRoot, JacobianUpdate, PathEnd, Seed, StepControl,
     Trace, follow, trace,
 };
 
 use super::equations::SlipBall;
 use super::root::{SlipRoot, are_on_flanks};
-use crate::cost::searched;
+use crate::cost::count_search;
 use crate::ellipse::Integrate;
 use crate::models::ball::unknown::PRECESSION;
-use crate::models::ball::{BALL, Workspace, linear};
+use crate::models::ball::{BALL_UNKNOWNS, Workspace, linear};
 use crate::models::raceway_control::RollingBall;
 
 /// Number of unknowns of a path: seven unknowns of the ball plus the path parameter.
-const PATH: usize = BALL + 1;
+const PATH_UNKNOWNS: usize = BALL_UNKNOWNS + 1;
 
 /// Maximum friction coefficient at the start of a path. With such small friction, the contact
 /// angles hardly differ from the contact angles without friction.
@@ -30,18 +30,18 @@ const SMALL_FRICTION: f64 = 1e-3;
 /// path by about a factor of e. Points on a path need only eight digits, because they are starting
 /// values for roots. Few paths have more than a hundred points.
 pub(super) const STEP_CONTROL: StepControl = StepControl {
-    first: 0.5,
-    longest: 1.0,
-    shortest: 1e-7,
+    first_step: 0.5,
+    max_step: 1.0,
+    min_step: 1e-7,
     pair_resolution: 1e-3,
     max_points: 1000,
-    goal: 1e-8,
+    residual_goal: 1e-8,
     root_tolerance: 1e-4,
     jacobian: JacobianUpdate::EveryStep,
 };
 
 /// Direction in the space of the path unknowns in which only the path parameter increases.
-const INCREASING: [f64; PATH] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+const INCREASING: [f64; PATH_UNKNOWNS] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 /// Angle \[rad\] by which a contact angle may exceed the limit of its flank and still count as
 /// being on the flank. The tolerance allows for rounding errors under large loads.
@@ -67,7 +67,7 @@ struct InertiaPath {
     /// Contact angles at the first root that is beyond the flanks.
     off_flank: Option<[f64; 2]>,
     /// Unknowns at the last point of the path.
-    end: [f64; BALL],
+    end: [f64; BALL_UNKNOWNS],
     /// True if the path was followed to its end, or to the root at which it was ended.
     is_complete: bool,
 }
@@ -101,66 +101,74 @@ struct PathEquations<'a> {
 }
 
 impl PathEquations<'_> {
-    fn residual_of<D: Integrate<f64>>(&self, z: &[D; PATH]) -> Result<[D; BALL], EvalError> {
+    fn residual_of<D: Integrate<f64>>(
+        &self,
+        z: &[D; PATH_UNKNOWNS],
+    ) -> Result<[D; BALL_UNKNOWNS], EvalError> {
         let (Self { ball, along }, y) = (self, from_fn(|i| z[i]));
-        let du = z[BALL] - z[BALL].re();
-        let [friction, rate] =
-            along.at(ball.contacts.friction, z[BALL].re()).map(|(value, slope)| du * slope + value);
+        let du = z[BALL_UNKNOWNS] - z[BALL_UNKNOWNS].re();
+        let [friction, rate] = along
+            .at(ball.contacts.friction, z[BALL_UNKNOWNS].re())
+            .map(|(value, slope)| du * slope + value);
         Ok(ball.evaluated_at(&y, friction, rate)?.residual)
     }
 }
 
-impl Homotopy<BALL, PATH> for PathEquations<'_> {
-    fn residual(&self, z: &[f64; PATH]) -> Result<[f64; BALL], EvalError> {
+impl CurveEquations<BALL_UNKNOWNS, PATH_UNKNOWNS> for PathEquations<'_> {
+    fn residual(&self, z: &[f64; PATH_UNKNOWNS]) -> Result<[f64; BALL_UNKNOWNS], EvalError> {
         self.residual_of(z)
     }
 
-    fn linearize(&self, z: &[f64; PATH]) -> Result<([f64; BALL], [[f64; PATH]; BALL]), EvalError> {
+    fn linearize(
+        &self,
+        z: &[f64; PATH_UNKNOWNS],
+    ) -> Result<([f64; BALL_UNKNOWNS], [[f64; PATH_UNKNOWNS]; BALL_UNKNOWNS]), EvalError> {
         linear(z, |z| self.residual_of(z))
     }
 
-    fn weights(&self, z: &[f64; PATH]) -> [f64; BALL] {
-        let [(friction, _), (rate, _)] = self.along.at(self.ball.contacts.friction, z[BALL]);
+    fn weights(&self, z: &[f64; PATH_UNKNOWNS]) -> [f64; BALL_UNKNOWNS] {
+        let [(friction, _), (rate, _)] =
+            self.along.at(self.ball.contacts.friction, z[BALL_UNKNOWNS]);
         self.ball.weights_of(&ball(z), friction, rate)
     }
 }
 
 /// Returns the unknowns of the ball at a point of a path.
-fn ball(z: &[f64; PATH]) -> [f64; BALL] {
+fn ball(z: &[f64; PATH_UNKNOWNS]) -> [f64; BALL_UNKNOWNS] {
     from_fn(|i| z[i])
 }
 
 /// Creates the starting point of a path from the unknowns `y` of the ball and the path parameter
 /// `u`.
-fn seed(y: &[f64; BALL], u: f64) -> Seed<PATH> {
-    Seed { z: from_fn(|i| if i < BALL { y[i] } else { u }), towards: INCREASING }
+fn seed(y: &[f64; BALL_UNKNOWNS], u: f64) -> Seed<PATH_UNKNOWNS> {
+    Seed { z: from_fn(|i| if i < BALL_UNKNOWNS { y[i] } else { u }), towards: INCREASING }
 }
 
 impl SlipBall<'_> {
     /// Returns the contact angles at the nut and the screw \[rad\], which are NaN if a contact is
     /// lost.
-    pub(super) fn angles(&self, y: &[f64; BALL]) -> [f64; 2] {
+    pub(super) fn angles(&self, y: &[f64; BALL_UNKNOWNS]) -> [f64; 2] {
         self.loaded(y).map_or([f64::NAN; 2], |loaded| loaded.angles)
     }
 
     /// Returns true if a contact angle is more than `margin` \[rad\] beyond its flank.
-    pub(super) fn is_off_flank(&self, y: &[f64; BALL], margin: f64) -> bool {
+    pub(super) fn is_off_flank(&self, y: &[f64; BALL_UNKNOWNS], margin: f64) -> bool {
         !are_on_flanks(self.angles(y), margin)
     }
 
     /// Returns true if a contact angle is more than π/2 beyond its flank. It is then unlikely that
     /// the path returns to the flanks.
-    fn is_far(&self, z: &[f64; PATH]) -> bool {
+    fn is_far(&self, z: &[f64; PATH_UNKNOWNS]) -> bool {
         self.is_off_flank(&ball(z), FRAC_PI_2)
     }
 
     /// Follows the path of increasing inertia forces to the first root with both contacts on their
     /// flanks.
     pub(super) fn followed(&self, newton: &mut Workspace, steps: &mut usize) -> PathResult {
-        searched();
+        count_search();
         let at_rest = match self.without_inertia(newton, steps) {
             Ok(at_rest) => at_rest,
-            Err(none) => return none,
+            Err(failure) => return failure,
         };
         let is_first = |root: &SlipRoot| self.is_balanced(root);
         let forward = self.beginning_at_rest(&at_rest, 1.0, is_first, newton, steps);
@@ -201,14 +209,14 @@ impl SlipBall<'_> {
         &self,
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Result<[f64; BALL], PathResult> {
+    ) -> Result<[f64; BALL_UNKNOWNS], PathResult> {
         let still = self.contacts.with_inertia(0.0);
         let slippery = still.with_friction(self.contacts.friction.min(SMALL_FRICTION));
         let guess = RollingBall::guess(&still).map_err(|_| PathResult::Lost)?;
         let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
         // At the initial creep speed, friction is nearly proportional to the slip.
         let begin = (10.0 * self.lever(&y)).ln();
-        let control = Continuation { first: 2.0, shortest: 1e-3 };
+        let control = Continuation { first_step: 2.0, min_step: 1e-3 };
         let arrived = follow(&mut y, (begin, self.creep.ln()), control, |log, y| {
             let slippery = SlipBall { contacts: &slippery, creep: log.exp(), ..*self };
             let report = slippery.run(y, newton).report;
@@ -224,9 +232,9 @@ impl SlipBall<'_> {
         let seen = trace(
             &PathEquations { ball: &resting, along: PathParameter::Friction },
             &seed(&y, slippery.friction.ln()),
-            |z, way| [(z[BALL] - goal, way[BALL])],
+            |z, way| [(z[BALL_UNKNOWNS] - goal, way[BALL_UNKNOWNS])],
             |Trace { crossings, last, .. }| {
-                let over = resting.is_far(last) || last[BALL] < 2.0 * SMALL_FRICTION.ln();
+                let over = resting.is_far(last) || last[BALL_UNKNOWNS] < 2.0 * SMALL_FRICTION.ln();
                 crossings.is_empty() && !over
             },
             &STEP_CONTROL,
@@ -269,7 +277,7 @@ impl SlipBall<'_> {
     /// * `is_last`: function that returns true if the path ends at a root.
     fn beginning_at_rest(
         &self,
-        y: &[f64; BALL],
+        y: &[f64; BALL_UNKNOWNS],
         sense: f64,
         is_last: impl Fn(&SlipRoot) -> bool,
         newton: &mut Workspace,
@@ -282,13 +290,13 @@ impl SlipBall<'_> {
         let unit = sense * small.copysign(at_rest);
         // No ball has a precession rate above twice the sum of relative speed and nut speed.
         let most = 2.0 * (1.0 + self.contacts.scaled.nut_speed.abs());
-        let event_rate = |z: &[f64; PATH]| unit * z[BALL].sinh();
+        let event_rate = |z: &[f64; PATH_UNKNOWNS]| unit * z[BALL_UNKNOWNS].sinh();
         let (mut roots, mut off_flank, mut known, mut more) = (Vec::new(), None, 0, 0);
         let seen = trace(
             &PathEquations { ball: self, along: PathParameter::Rate { unit } },
             &seed(y, 0.0),
             |z, way| {
-                let slope = way[PRECESSION] - unit * z[BALL].cosh() * way[BALL];
+                let slope = way[PRECESSION] - unit * z[BALL_UNKNOWNS].cosh() * way[BALL_UNKNOWNS];
                 [(self.rate(&ball(z)) - event_rate(z), slope)]
             },
             |Trace { crossings, last, .. }| {

@@ -5,7 +5,7 @@
 use bsm_kin::{BallFrame, Motion, Over, Scalar};
 
 use crate::contact::Wrench;
-use crate::models::ball::{BALL, BallLoads, ElasticContacts};
+use crate::models::ball::{BALL_UNKNOWNS, BallLoads, ElasticContacts};
 
 /// Normal forces of both neighboring balls, divided by the axial load of the ball.
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +41,7 @@ impl Push {
     /// balance.
     pub(super) fn add_to<P: Scalar, D: Over<P>>(
         &self,
-        residual: &mut [D; BALL],
+        residual: &mut [D; BALL_UNKNOWNS],
         contacts: &ElasticContacts<P>,
         (loaded, to_nut): (&BallLoads<D>, &Motion<D>),
     ) {

@@ -12,7 +12,7 @@ use bsm_newton::Outcome;
 use super::equations::{Evaluation, OMEGA, PowerFlow, SlipBall};
 use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ellipse::FrozenRule;
-use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
+use crate::models::ball::{BALL_UNKNOWNS, BallLoads, Reason, Workspace, quadrature_error};
 
 /// Minimum creep speed in the first Newton step, divided by `$r_b|W|$`. At this creep speed,
 /// friction is nearly proportional to the slip for most starting values.
@@ -30,7 +30,7 @@ pub(super) const LARGE_INERTIA: f64 = 1e6;
 /// A root of the traction equations at an operating point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SlipRoot {
-    pub(super) unknowns: [f64; BALL],
+    pub(super) unknowns: [f64; BALL_UNKNOWNS],
     /// True if the unknowns for high centrifugal loads (T10) are used.
     pub(super) uses_nut_angle: bool,
     pub(super) residual: f64,
@@ -41,7 +41,7 @@ pub(super) struct RootWithPower {
     pub(super) root: SlipRoot,
     pub(super) transmitted: PowerFlow,
     /// Derivatives of the torque with respect to the unknowns, near the root.
-    pub(super) torque_slope: [f64; BALL],
+    pub(super) torque_slope: [f64; BALL_UNKNOWNS],
     /// Loaded contacts at the root.
     pub(super) loaded: BallLoads<f64>,
 }
@@ -98,10 +98,10 @@ impl SlipBall<'_> {
     /// evaluated or the Jacobian is singular.
     pub(super) fn first_slips(
         &self,
-        y: &[f64; BALL],
+        y: &[f64; BALL_UNKNOWNS],
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Option<[f64; BALL]> {
+    ) -> Option<[f64; BALL_UNKNOWNS]> {
         *steps += 1;
         let level = Self { creep: FIRST_STEP_CREEP.max(self.creep), ..*self };
         let residual = newton.linearize(&level, y, &level.weights(y)).ok()?;
@@ -112,10 +112,10 @@ impl SlipBall<'_> {
     /// in `newton`. Returns `None` if the Jacobian is singular.
     fn stepped(
         &self,
-        y: &[f64; BALL],
-        residual: &[f64; BALL],
+        y: &[f64; BALL_UNKNOWNS],
+        residual: &[f64; BALL_UNKNOWNS],
         newton: &mut Workspace,
-    ) -> Option<[f64; BALL]> {
+    ) -> Option<[f64; BALL_UNKNOWNS]> {
         Some(self.with_slips(y, &newton.correction(residual).ok()?))
     }
 
@@ -127,7 +127,7 @@ impl SlipBall<'_> {
     /// rotates too fast.
     pub(super) fn solved(
         &self,
-        mut y: [f64; BALL],
+        mut y: [f64; BALL_UNKNOWNS],
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Result<SlipRoot, Reason> {
@@ -136,7 +136,7 @@ impl SlipBall<'_> {
         if !report.converged() {
             return Err(report.into());
         }
-        if self.is_first_try() {
+        if self.is_coarse_solve() {
             // The residual after the final step is not evaluated.
             let next = last.and_then(|(residual, _)| self.stepped(&y, &residual, newton));
             y = next.unwrap_or(y);
@@ -149,7 +149,7 @@ impl SlipBall<'_> {
     /// converted to the set (T10), provided that the conversion succeeds.
     pub(super) fn with_nut_angle(
         &self,
-        y: [f64; BALL],
+        y: [f64; BALL_UNKNOWNS],
         residual: f64,
         newton: &mut Workspace,
         steps: &mut usize,
@@ -165,8 +165,8 @@ impl SlipBall<'_> {
         let mut unknowns = ball.unknowns(&loaded, &to_nut);
         let report = ball.run(&mut unknowns, newton).report;
         *steps += report.steps.len();
-        let charted = SlipRoot { unknowns, uses_nut_angle: true, residual: report.residual };
-        if report.converged() { charted } else { root }
+        let converted = SlipRoot { unknowns, uses_nut_angle: true, residual: report.residual };
+        if report.converged() { converted } else { root }
     }
 
     /// Returns true if both contacts of a root are on their flanks.
@@ -189,7 +189,7 @@ impl SlipBall<'_> {
         }
         let is_slow = OMEGA.iter().all(|i| y[*i].abs() < MAX_ANGULAR_SPEED);
         if !is_slow {
-            return Err(Reason::SearchLost);
+            return Err(Reason::SearchFailed);
         }
         Ok(loaded)
     }
@@ -221,7 +221,7 @@ impl SlipBall<'_> {
         &self,
         accuracy: f64,
         found: Option<&Evaluation>,
-        slope: &[f64; BALL],
+        slope: &[f64; BALL_UNKNOWNS],
         efficiency: f64,
         newton: &mut Workspace,
     ) -> f64 {

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use super::equations::SlipBall;
 use super::path::{PathResult, STEP_CONTROL};
 use super::root::SlipRoot;
-use crate::models::ball::{Evidence, NoAnswer, Reason, Workspace};
+use crate::models::ball::{Evidence, Reason, SolveFailure, Workspace};
 use crate::models::elastic::GrossSlip;
 use crate::models::raceway_control::RollingBall;
 
@@ -75,15 +75,15 @@ impl SlipBall<'_> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] with [`Reason::BallLeavesFlank`] if a contact leaves its flank during
-    /// the continuation, so that this branch has no root, and [`NoAnswer::LOST`] if the
-    /// continuation fails.
+    /// Returns [`SolveFailure`] with [`Reason::BallLeavesFlank`] if a contact leaves its flank
+    /// during the continuation, so that this branch has no root, and
+    /// [`SolveFailure::SEARCH_FAILED`] if the continuation fails.
     pub(super) fn search(
         &self,
         rolling_ball: &RollingBall,
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Result<SlipRoot, NoAnswer> {
+    ) -> Result<SlipRoot, SolveFailure> {
         if let Some(root) = self.direct(rolling_ball, newton, steps) {
             return Ok(root);
         }
@@ -96,10 +96,10 @@ impl SlipBall<'_> {
         match path {
             PathResult::SlipRoot(root) => Ok(root),
             PathResult::OffFlank([nut, screw]) => {
-                let evidence = Evidence::Traced { resolution: STEP_CONTROL.longest };
-                Err(NoAnswer::none(evidence, Reason::BallLeavesFlank { nut, screw }))
+                let evidence = Evidence::Traced { resolution: STEP_CONTROL.max_step };
+                Err(SolveFailure::no_solution(evidence, Reason::BallLeavesFlank { nut, screw }))
             }
-            PathResult::Lost => Err(NoAnswer::LOST),
+            PathResult::Lost => Err(SolveFailure::SEARCH_FAILED),
         }
     }
 }

@@ -7,7 +7,7 @@ use bsm_kin::Jet;
 use super::equations::SlipBall;
 use super::root::SlipRoot;
 use super::{NotFound, Start, Traction, TractionWorkspace};
-use crate::models::ball::{NoAnswer, Performance, domain_error, moving_root};
+use crate::models::ball::{Performance, SolveFailure, domain_error, moving_root};
 use crate::models::raceway_control::RollingBall;
 
 impl<const M: usize> Traction<Jet<M>> {
@@ -16,18 +16,18 @@ impl<const M: usize> Traction<Jet<M>> {
     ///
     /// # Errors
     ///
-    /// Returns [`NoAnswer`] if no root is found or the Jacobian is singular at the root.
+    /// Returns [`SolveFailure`] if no root is found or the Jacobian is singular at the root.
     pub(crate) fn sensitivities(
         &self,
         work: &mut TractionWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
-        let at = self.at.values();
-        at.point.require_friction()?;
-        let contacts = at.scaled()?;
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
+        let screw = self.screw.values();
+        screw.point.require_friction()?;
+        let contacts = screw.scaled()?;
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
         let start = Start::new(&contacts, rolling_ball.ok().as_ref())?;
-        let case = Traction { at, accuracy: self.accuracy, creep: self.creep };
-        let root = case.found(&start, None, work).map_err(NotFound::why)?.root;
+        let case = Traction { screw, accuracy: self.accuracy, creep: self.creep };
+        let root = case.found(&start, None, work).map_err(NotFound::failure)?.root;
         self.sensitivities_at(&root, work)
     }
 
@@ -37,8 +37,8 @@ impl<const M: usize> Traction<Jet<M>> {
         &self,
         root: &SlipRoot,
         work: &mut TractionWorkspace,
-    ) -> Result<Performance<Jet<M>>, NoAnswer> {
-        let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
+    ) -> Result<Performance<Jet<M>>, SolveFailure> {
+        let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
         let TractionWorkspace { newton, rules, .. } = work;
         let [[quadrature, _]] = rules.dry([self.accuracy]);
         let creep = self.creep * point.slip_scale();
@@ -48,6 +48,6 @@ impl<const M: usize> Traction<Jet<M>> {
         let residual = |y: &_| equations.residual(y);
         let y = moving_root(&system, unknowns, &system.weights(unknowns), residual, newton)?;
         let torque = equations.evaluated(&y).map_err(domain_error)?.torque;
-        Ok(self.at.transmitted_torque(&inputs, torque))
+        Ok(self.screw.transmitted_torque(&inputs, torque))
     }
 }

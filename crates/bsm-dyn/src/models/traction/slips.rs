@@ -11,7 +11,7 @@ use std::array::from_fn;
 use bsm_kin::{Jet, Over, spin_at_nut};
 
 use super::equations::{MeanAngle, OMEGA, SlipBall, frenet};
-use crate::models::ball::BALL;
+use crate::models::ball::BALL_UNKNOWNS;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 
 /// Maximum relative change of a load, and maximum change of the tilt \[rad\], for which a step is
@@ -34,7 +34,11 @@ impl SlipBall<'_> {
     /// Returns the unknowns after a step. If the step changes the loads or the tilt by more than
     /// [`MAX_STRAIGHT_STEP`], slips and spin change linearly along the step; otherwise the unknowns
     /// change linearly.
-    pub(super) fn with_slips(&self, y: &[f64; BALL], step: &[f64; BALL]) -> [f64; BALL] {
+    pub(super) fn with_slips(
+        &self,
+        y: &[f64; BALL_UNKNOWNS],
+        step: &[f64; BALL_UNKNOWNS],
+    ) -> [f64; BALL_UNKNOWNS] {
         let mut next = *y;
         for (next, step) in next.iter_mut().zip(step) {
             *next += step;
@@ -51,7 +55,7 @@ impl SlipBall<'_> {
 
     /// Returns the slips along the grooves, the rotation about t and the spin for given unknowns,
     /// or `None` if a contact is lost.
-    fn slips<D: Over<f64>>(&self, y: &[D; BALL]) -> Option<Slips<D>> {
+    fn slips<D: Over<f64>>(&self, y: &[D; BALL_UNKNOWNS]) -> Option<Slips<D>> {
         let angles = self.loaded_angles(y, y[TILT].sin_cos())?;
         let motions = self.contact_motions(y, angles.contacts);
         let one = y[TILT].constant(1.0);
@@ -69,10 +73,10 @@ impl SlipBall<'_> {
     /// * `straight`: unknowns after the same step if all unknowns changed linearly.
     fn with_linear_slips(
         &self,
-        y: &[f64; BALL],
-        step: &[f64; BALL],
-        straight: &[f64; BALL],
-    ) -> Option<[f64; BALL]> {
+        y: &[f64; BALL_UNKNOWNS],
+        step: &[f64; BALL_UNKNOWNS],
+        straight: &[f64; BALL_UNKNOWNS],
+    ) -> Option<[f64; BALL_UNKNOWNS]> {
         let ((sin_lead, cos_lead), arc) = (self.contacts.scaled.lead, self.contacts.scaled.arc);
         let moving = from_fn(|i| Jet::<1> { re: y[i], eps: [step[i]] });
         // Slips and spin are extrapolated linearly over the whole step    (T28)
@@ -106,7 +110,11 @@ impl SlipBall<'_> {
 /// If the friction over both ellipses acts entirely across the grooves, only second-order terms
 /// determine how much of the slip due to the lead occurs at each contact. In this case, a step that
 /// reverses a slip is meaningless.
-pub(super) fn first_part(lead: (f64, f64), y: &[f64; BALL], step: &[f64; BALL]) -> f64 {
+pub(super) fn max_step_fraction(
+    lead: (f64, f64),
+    y: &[f64; BALL_UNKNOWNS],
+    step: &[f64; BALL_UNKNOWNS],
+) -> f64 {
     let ([across, ..], [change, ..]) = (frenet(lead, y), frenet(lead, step));
     // λ ≤ 0.6 (|ω_t| + 0.01)/|δω_t|,  λ ≤ 0.6 (|ω_t − sinα| + 0.01)/|δω_t|  (T31)
     let parts = [across, across - lead.0]
@@ -134,7 +142,7 @@ mod tests {
 
     /// Calls `check` with rolling balls at random operating points that occur in practice.
     fn for_each_practical_rolling_ball(
-        mut check: impl FnMut(&SlipBall<'_>, &[f64; BALL], &mut ChaCha8Rng),
+        mut check: impl FnMut(&SlipBall<'_>, &[f64; BALL_UNKNOWNS], &mut ChaCha8Rng),
     ) {
         let (mut rng, quadrature) = (ChaCha8Rng::seed_from_u64(31), Quadrature::of(1e-4));
         for _ in 0..200 {
@@ -146,7 +154,7 @@ mod tests {
         }
     }
 
-    fn slips(ball: &SlipBall<'_>, y: &[f64; BALL]) -> [f64; 4] {
+    fn slips(ball: &SlipBall<'_>, y: &[f64; BALL_UNKNOWNS]) -> [f64; 4] {
         let loaded = ball.loaded(y).expect("contacts");
         let to_nut = ball.motion_to_nut(y, &loaded);
         let motions = crate::models::ball::to_both(&to_nut, &loaded.frame);
@@ -164,7 +172,7 @@ mod tests {
     fn slip_velocities_change_linearly_along_a_newton_step() {
         let (mut seen, mut bent) = (0, 0.0_f64);
         for_each_practical_rolling_ball(|ball, y, rng| {
-            let mut step = [0.0; BALL];
+            let mut step = [0.0; BALL_UNKNOWNS];
             for (step, y) in step.iter_mut().zip(y) {
                 *step = 0.1 * rng.random_range(-1.0..1.0) * (0.1 + y.abs());
             }
@@ -188,7 +196,7 @@ mod tests {
         for_each_practical_rolling_ball(|ball, y, rng| {
             let lead = ball.contacts.scaled.lead;
             let step = std::array::from_fn(|_| rng.random_range(-10.0..10.0));
-            let part = first_part(lead, y, &step);
+            let part = max_step_fraction(lead, y, &step);
             let shares = |y| {
                 let [across, ..] = frenet(lead, &y);
                 [across, across - lead.0]
@@ -207,11 +215,11 @@ mod tests {
     #[test]
     fn curved_step_is_tangent_to_the_newton_step() {
         for_each_practical_rolling_ball(|ball, y, rng| {
-            let step: [f64; BALL] = std::array::from_fn(|_| rng.random_range(-1.0..1.0));
+            let step: [f64; BALL_UNKNOWNS] = std::array::from_fn(|_| rng.random_range(-1.0..1.0));
             let part = 2e-4;
             let [up, down] =
                 [part, -part].map(|part| ball.with_slips(y, &step.map(|step| part * step)));
-            for i in 0..BALL {
+            for i in 0..BALL_UNKNOWNS {
                 let slope = (up[i] - down[i]) / (2.0 * part);
                 // The tolerance allows for the truncation error of the central difference and for
                 // rounding errors of the precession rates.

@@ -15,7 +15,7 @@ use super::*;
 use crate::contact::{Wrench, torque};
 use crate::extreme::{random_extreme_screw, random_practical_screw};
 use crate::models::ball::unknown::{PRECESSION, TILT};
-use crate::models::ball::{BALL, to_both, variables};
+use crate::models::ball::{BALL_UNKNOWNS, to_both, variables};
 use crate::{Coulomb, Status, hertz::Quadrature};
 
 /// Returns the random extreme operating point with a given number in the sequence of a given seed.
@@ -26,11 +26,11 @@ fn random_extreme_point(seed: u64, number: u64) -> ElasticPoint {
 }
 
 fn solved(screw: ElasticPoint, work: &mut TractionWorkspace) -> Solution {
-    Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP }.solve(work)
+    Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP }.solve(work)
 }
 
 /// Returns random unknowns of a ball that approximately rolls or orbits very slowly.
-fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
+fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL_UNKNOWNS] {
     let contacts = ball.contacts;
     let (unloaded, mu) = (contacts.contact_angle, contacts.inertia_ratio());
     let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
@@ -49,7 +49,7 @@ fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     } else {
         (slow * part(-8.0, 1.0).exp()).min(1.0) * part(-1.0, 1.0).signum()
     };
-    let mut y = [0.0; BALL];
+    let mut y = [0.0; BALL_UNKNOWNS];
     y[NUT_LOAD] = part(-1.0, 1.0).exp() / (nut.sin().max(1e-6) * cos);
     y[SCREW_LOAD] = part(-1.0, 1.0).exp() / (screw.sin().max(1e-6) * cos);
     y[TILT] = 0.5 * (screw - nut);
@@ -72,7 +72,7 @@ fn root_from_random_starts(
     (0..starts).find_map(|_| {
         let mut y = random_state(ball, rng);
         let begin = end + rng.random::<f64>() * (ball.lever(&y).ln() - end).max(0.0);
-        let control = bsm_newton::Continuation { first: 1.5, shortest: 0.05 };
+        let control = bsm_newton::Continuation { first_step: 1.5, min_step: 0.05 };
         let arrived = bsm_newton::follow(&mut y, (begin, end), control, |log, y| {
             SlipBall { creep: log.exp(), ..*ball }.run(y, &mut newton).converged()
         });
@@ -103,9 +103,9 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
         let Ok(contacts) = screw.scaled() else { continue };
         let solution = solved(screw, &mut work);
         let creep = Traction::CREEP * contacts.slip_scale();
-        let [[quadrature, _]] = work.rules.dry([SEARCH]);
+        let [[quadrature, _]] = work.rules.dry([SEARCH_ACCURACY]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep);
-        let steps = solution.solved().and_then(|solved| Some(solved.info?.steps));
+        let steps = solution.steady_state().and_then(|solved| Some(solved.info?.steps));
         let count = match solution.status() {
             Status::NoSolution => &mut counts.no_solution,
             Status::NotConverged => &mut counts.undecided,
@@ -170,16 +170,16 @@ fn equations_have_the_same_roots_in_both_sets_of_unknowns() {
         }
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
         let start = Start::new(&contacts, rolling_ball.ok().as_ref()).unwrap();
-        let case = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let case = Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let SlipResult { root, solved, .. } = case.found(&start, None, &mut work).unwrap();
         let creep = Traction::CREEP * contacts.slip_scale();
         let [[quadrature, _]] = work.rules.dry([Traction::ACCURACY]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep);
         let loaded = ball.loaded(&root.unknowns).unwrap();
-        let charted = SlipBall { uses_nut_angle: true, ..ball };
-        let mut y = charted.unknowns(&loaded, &ball.motion_to_nut(&root.unknowns, &loaded));
-        assert!(charted.run(&mut y, &mut newton).converged(), "{number}");
-        let angles = charted.angles(&y);
+        let converted = SlipBall { uses_nut_angle: true, ..ball };
+        let mut y = converted.unknowns(&loaded, &ball.motion_to_nut(&root.unknowns, &loaded));
+        assert!(converted.run(&mut y, &mut newton).converged(), "{number}");
+        let angles = converted.angles(&y);
         // Residuals of at most 1e-10 times the forces determine contact angles of 1° to a relative
         // accuracy of 1e-8.
         assert_relative_eq!(angles[0], solved.ball.nut.angle, max_relative = 1e-8);
@@ -202,8 +202,8 @@ fn count_violated_error_bounds(seed: u64, points: usize) -> (usize, [usize; 3], 
     for _ in 0..points {
         let screw = random_practical_screw(&mut rng);
         let mut solved = |accuracy| {
-            let case = Traction { at: screw, accuracy, creep: Traction::CREEP };
-            case.solve(&mut work).answer.ok()
+            let case = Traction { screw, accuracy, creep: Traction::CREEP };
+            case.solve(&mut work).result.ok()
         };
         let Some(exact) = solved(1e-12) else { continue };
         answered += 1;
@@ -250,8 +250,8 @@ fn first_motion_on_the_branch_is_the_reported_motion() {
     let mut compared = 0;
     for _ in 0..60 {
         let at = random_practical_screw(&mut rng);
-        let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
-        let Ok(reported) = traction.solve(&mut work).answer else { continue };
+        let traction = Traction { screw: at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
+        let Ok(reported) = traction.solve(&mut work).result else { continue };
         let branch = traction.branch(&mut work).expect("a complete branch");
         let [found, expected] = [branch[0], reported].map(|state| state.transmission.efficiency);
         // Both are refined with the same quadrature to a residual of 1e-10.
@@ -264,7 +264,7 @@ fn first_motion_on_the_branch_is_the_reported_motion() {
 #[test]
 fn equations_agree_with_force_and_moment_vectors() {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(5));
-    let [[quadrature, _]] = work.rules.dry([COARSE]);
+    let [[quadrature, _]] = work.rules.dry([COARSE_ACCURACY]);
     let mut seen = [0; 2];
     for number in 0..400 {
         let screw = if number % 4 == 0 {
@@ -286,7 +286,7 @@ fn equations_agree_with_force_and_moment_vectors() {
             assert!(ball.residual(&y).is_err(), "{number}");
             continue;
         };
-        let found: Evaluation<Jet<BALL>> = ball.evaluated(&variables(&y)).unwrap();
+        let found: Evaluation<Jet<BALL_UNKNOWNS>> = ball.evaluated(&variables(&y)).unwrap();
         let to_nut = ball.motion_to_nut(&y, &loaded);
         let law = Coulomb(contacts.directed_friction());
         let (mut wrench, mut power) = ([Wrench::zero(); 2], 0.0);
@@ -315,7 +315,7 @@ fn equations_agree_with_force_and_moment_vectors() {
         // divided by the creep speed.
         let slip = 1.0 + (rate.abs() * contacts.scaled.arc).max(turning);
         let rounding = 1e-14 * size * (1.0 + contacts.friction * slip / creep);
-        for i in 0..BALL {
+        for i in 0..BALL_UNKNOWNS {
             let off = (found.residual[i].re - expected[i]).abs();
             assert!(off <= rounding, "{number} {i} {off:e} {rounding:e} {found:?} {expected:?}");
         }
@@ -347,7 +347,7 @@ fn jacobian_matches_finite_differences_of_the_residual() {
             y[PRECESSION] = rng.random_range(-1.0..1.0);
         }
         let Ok(found) = ball.evaluated(&variables(&y)) else { continue };
-        for k in 0..BALL {
+        for k in 0..BALL_UNKNOWNS {
             let width = 1e-5 * (0.01 + y[k].abs());
             let at = |side: f64| {
                 let mut y = y;
@@ -357,7 +357,7 @@ fn jacobian_matches_finite_differences_of_the_residual() {
             };
             let ((up, torque_up), (down, torque_down)) = (at(1.0), at(-1.0));
             let mut rows: Vec<_> =
-                (0..BALL).map(|i| (found.residual[i], up[i] - down[i])).collect();
+                (0..BALL_UNKNOWNS).map(|i| (found.residual[i], up[i] - down[i])).collect();
             rows.push((found.torque, torque_up - torque_down));
             for (row, difference) in rows {
                 let largest = row.eps.iter().fold(1.0_f64, |m, x| m.max(x.abs()));

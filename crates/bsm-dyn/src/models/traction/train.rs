@@ -10,19 +10,20 @@ use bsm_newton::{Continuation, Equations, EvalError, Linearized, Outcome, Scales
 
 use super::Traction;
 use super::equations::{Evaluation, Lubrication, PowerFlow, SlipBall};
-use super::lubricated::ENOUGH;
+use super::lubricated::LUBRICATED_RESIDUAL_GOAL;
 use super::push::Push;
 use super::root::LARGE_INERTIA;
 use crate::contact::POWER_BALANCE_TOL;
 use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{
-    AnswerUnits, BALL, BallState, EhlPoint, ElasticContacts, ROWS, Workspace, variables,
+    BALL_UNKNOWNS, BallState, EQUATION_NAMES, EhlPoint, ElasticContacts, ResultUnits, Workspace,
+    variables,
 };
 use crate::models::workspace::ModelWorkspace;
 
 /// Step control of the continuation from known to requested push forces. Step lengths are fractions
 /// of the total change of the push forces.
-const PUSH_STEPS: Continuation = Continuation { first: 1.0, shortest: 0.02 };
+const PUSH_STEPS: Continuation = Continuation { first_step: 1.0, min_step: 0.02 };
 
 /// Equations of a ball that travels at the speed of its ball train. The precession rate is given,
 /// and the force of the ball behind is unknown instead.
@@ -36,7 +37,7 @@ struct TrainEquations<'a> {
 impl TrainEquations<'_> {
     /// Returns the equations of the free ball, and the unknowns of the free ball that correspond to
     /// the unknowns `x` of the ball in the train.
-    fn moving(&self, x: &[f64; BALL]) -> (SlipBall<'_>, [f64; BALL]) {
+    fn moving(&self, x: &[f64; BALL_UNKNOWNS]) -> (SlipBall<'_>, [f64; BALL_UNKNOWNS]) {
         let mut y = *x;
         y[PRECESSION] = self.precession;
         let push = Push { back: x[PRECESSION], ..self.push };
@@ -44,21 +45,28 @@ impl TrainEquations<'_> {
     }
 }
 
-impl Equations<BALL> for TrainEquations<'_> {
+impl Equations<BALL_UNKNOWNS> for TrainEquations<'_> {
     /// Torque on the screw, total friction power, and sliding powers.
     type Details = PowerFlow;
     /// Derivatives of the residuals with respect to the precession rate.
-    type Slopes = [f64; BALL];
+    type Slopes = [f64; BALL_UNKNOWNS];
 
-    fn residual(&self, x: &[f64; BALL]) -> Result<([f64; BALL], PowerFlow), EvalError> {
+    fn residual(
+        &self,
+        x: &[f64; BALL_UNKNOWNS],
+    ) -> Result<([f64; BALL_UNKNOWNS], PowerFlow), EvalError> {
         let (ball, y) = self.moving(x);
         let found: Evaluation = ball.evaluated(&y)?;
         Ok((found.residual, found.power_flow()))
     }
 
-    fn linearize(&self, x: &[f64; BALL], rows: &mut [[f64; BALL]; BALL]) -> Linearized<BALL, Self> {
+    fn linearize(
+        &self,
+        x: &[f64; BALL_UNKNOWNS],
+        rows: &mut [[f64; BALL_UNKNOWNS]; BALL_UNKNOWNS],
+    ) -> Linearized<BALL_UNKNOWNS, Self> {
         let (ball, y) = self.moving(x);
-        let found: Evaluation<Jet<BALL>> = ball.evaluated(&variables(&y))?;
+        let found: Evaluation<Jet<BALL_UNKNOWNS>> = ball.evaluated(&variables(&y))?;
         let by_push = ball.by_push(&y, [0.0, 1.0], self.push.friction)?;
         for ((to, from), by_push) in rows.iter_mut().zip(&found.residual).zip(by_push) {
             *to = from.eps;
@@ -69,7 +77,7 @@ impl Equations<BALL> for TrainEquations<'_> {
     }
 
     fn equation(&self, i: usize) -> String {
-        ROWS[i].to_owned()
+        EQUATION_NAMES[i].to_owned()
     }
 }
 
@@ -81,12 +89,12 @@ impl SlipBall<'_> {
     ///   and behind.
     fn by_push(
         &self,
-        y: &[f64; BALL],
+        y: &[f64; BALL_UNKNOWNS],
         [front, back]: [f64; 2],
         friction: f64,
-    ) -> Result<[f64; BALL], EvalError> {
+    ) -> Result<[f64; BALL_UNKNOWNS], EvalError> {
         let loaded = self.loaded(y)?;
-        let mut residual = [0.0; BALL];
+        let mut residual = [0.0; BALL_UNKNOWNS];
         let to_nut = self.motion_to_nut(y, &loaded);
         let push = Push { front, back, friction };
         push.add_to(&mut residual, self.contacts, (&loaded, &to_nut));
@@ -103,7 +111,7 @@ pub struct TrainBall {
     creep: f64,
     uses_nut_angle: bool,
     /// Factors that convert scaled results to SI units.
-    units: AnswerUnits,
+    units: ResultUnits,
     /// Friction coefficient between balls.
     contact_friction: f64,
     free: TrainMotion,
@@ -112,10 +120,10 @@ pub struct TrainBall {
 /// Steady motion of a ball in a ball train under the forces of its neighbors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainMotion {
-    unknowns: [f64; BALL],
+    unknowns: [f64; BALL_UNKNOWNS],
     /// Derivatives of the unknowns with respect to the forces of the ball in front and of the ball
     /// behind \[1/N\].
-    by_pushes: [[f64; BALL]; 2],
+    by_pushes: [[f64; BALL_UNKNOWNS]; 2],
     /// Precession rate relative to the nut, `$(P - \Omega_n)/W$`, positive.
     pub rate: f64,
     /// Torque of the ball on the screw \[N·m\].
@@ -140,7 +148,7 @@ impl TrainMotion {
     }
 
     /// Extrapolates the unknowns linearly to different forces of the neighbors \[N\].
-    fn at_pushes(&self, pushes: [f64; 2]) -> [f64; BALL] {
+    fn at_pushes(&self, pushes: [f64; 2]) -> [f64; BALL_UNKNOWNS] {
         let mut y = self.unknowns;
         for (by, (push, before)) in self.by_pushes.iter().zip(pushes.iter().zip(self.pushes)) {
             for (y, by) in y.iter_mut().zip(by) {
@@ -187,10 +195,10 @@ impl TrainBall {
         contact_friction: f64,
         work: &mut ModelWorkspace,
     ) -> Option<Self> {
-        let point = case.at.point;
+        let point = case.screw.point;
         let units = point.units();
-        let AnswerUnits { load, speed, .. } = units;
-        let contacts = case.at.scaled().ok()?;
+        let ResultUnits { load, speed, .. } = units;
+        let contacts = case.screw.scaled().ok()?;
         let creep = case.creep * contacts.slip_scale();
         let [nut, screw] = [&free.nut, &free.screw];
         let loads = [nut.load? / load, screw.load? / load];
@@ -212,8 +220,8 @@ impl TrainBall {
             units,
             contact_friction,
             free: TrainMotion {
-                unknowns: [0.0; BALL],
-                by_pushes: [[0.0; BALL]; 2],
+                unknowns: [0.0; BALL_UNKNOWNS],
+                by_pushes: [[0.0; BALL_UNKNOWNS]; 2],
                 rate: to_nut.precession,
                 screw_torque: 0.0,
                 raceway_power: 0.0,
@@ -223,7 +231,7 @@ impl TrainBall {
                 axial_push: 0.0,
             },
         };
-        ball.free.unknowns = ball.with(work, |ball, _| ball.unknowns(&loaded, &to_nut));
+        ball.free.unknowns = ball.with_equations(work, |ball, _| ball.unknowns(&loaded, &to_nut));
         ball.free = ball.pushed(&ball.free, [0.0; 2], work)?;
         Some(ball)
     }
@@ -253,7 +261,7 @@ impl TrainBall {
     }
 
     /// Calls `solve` with the equations of the ball and the buffers of Newton's method.
-    fn with<R>(
+    fn with_equations<R>(
         &self,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
         solve: impl FnOnce(&SlipBall<'_>, &mut Workspace) -> R,
@@ -272,7 +280,12 @@ impl TrainBall {
             None => solve(&ball, newton),
             Some(ehl) => {
                 let lubrication = Some(Lubrication { ehl, fraction: 1.0, complete: false });
-                let ball = SlipBall { quadrature: oil, residual_goal: ENOUGH, lubrication, ..ball };
+                let ball = SlipBall {
+                    quadrature: oil,
+                    residual_goal: LUBRICATED_RESIDUAL_GOAL,
+                    lubrication,
+                    ..ball
+                };
                 solve(&ball, newton)
             }
         }
@@ -330,9 +343,9 @@ impl TrainBall {
         work: &mut ModelWorkspace,
         solve: impl Fn(bool, &SlipBall<'_>, &mut Workspace) -> Option<TrainMotion>,
     ) -> Option<TrainMotion> {
-        [true, false]
-            .into_iter()
-            .find_map(|is_near| self.with(work, |ball, newton| solve(is_near, ball, newton)))
+        [true, false].into_iter().find_map(|is_near| {
+            self.with_equations(work, |ball, newton| solve(is_near, ball, newton))
+        })
     }
 
     /// Returns the motion at the precession rate of the ball train under a given force of the ball
@@ -363,13 +376,14 @@ impl TrainBall {
             let mut found = None;
             let mut run = |fraction, x: &mut _| {
                 let equations = at(fraction);
-                let scales = Scales { x: &[1.0; BALL], f: &ball.weights(&equations.moving(x).1) };
+                let scales =
+                    Scales { x: &[1.0; BALL_UNKNOWNS], f: &ball.weights(&equations.moving(x).1) };
                 let Outcome { report, last, slopes } =
                     solve(&equations, x, &scales, &ball.options(), newton);
                 found = last.zip(slopes);
                 report.converged()
             };
-            let unknowns = |y: [f64; BALL], back: f64| {
+            let unknowns = |y: [f64; BALL_UNKNOWNS], back: f64| {
                 from_fn(|i| if i == PRECESSION { back / load } else { y[i] })
             };
             let mut x = unknowns(from.unknowns, before);
@@ -412,11 +426,11 @@ impl TrainBall {
     fn motion(
         &self,
         ball: &SlipBall<'_>,
-        (unknowns, by_pushes): ([f64; BALL], [[f64; BALL]; 2]),
+        (unknowns, by_pushes): ([f64; BALL_UNKNOWNS], [[f64; BALL_UNKNOWNS]; 2]),
         pushes: [f64; 2],
         transmitted: &PowerFlow,
     ) -> Option<TrainMotion> {
-        let AnswerUnits { length: radius, load, speed, .. } = self.units;
+        let ResultUnits { length: radius, load, speed, .. } = self.units;
         let push = self.push(pushes);
         let loaded = ball.loaded(&unknowns).ok()?;
         let to_nut = ball.motion_to_nut(&unknowns, &loaded);
@@ -439,7 +453,7 @@ impl TrainBall {
     /// Returns the net power \[W\] that the screw and the axial forces supply to the ball in a
     /// given motion.
     pub fn power_in(&self, motion: &TrainMotion) -> f64 {
-        let AnswerUnits { length: radius, load, speed, .. } = self.units;
+        let ResultUnits { length: radius, load, speed, .. } = self.units;
         let per_radian = self.contacts.helix.lead() * radius / TAU;
         (motion.screw_torque - per_radian * (load + motion.axial_push)) * speed
     }
@@ -455,7 +469,7 @@ impl TrainBall {
     /// If the push forces far exceed the forces that a ball can withstand, Newton's method may
     /// converge to a state that violates the power balance.
     fn is_balanced(&self, motion: &TrainMotion) -> bool {
-        let AnswerUnits { length: radius, speed, .. } = self.units;
+        let ResultUnits { length: radius, speed, .. } = self.units;
         let [front, back] = motion.pushes;
         let travel = self.contacts.scaled.arc * radius * motion.rate * speed.abs();
         let friction_power = self.contact_power(motion);

@@ -29,7 +29,7 @@ fn run_campaign(
         let solution = solve(screw);
         match (solution.status(), solution.reason()) {
             (Status::Converged, _) => {
-                let o = solution.solved().expect("converged");
+                let o = solution.steady_state().expect("converged");
                 tally.converged += 1;
                 tally.worst_balance = tally
                     .worst_balance
@@ -49,7 +49,7 @@ fn run_campaign(
 fn traction_converges_for_random_screws() {
     let mut work = TractionWorkspace::default();
     let mut solve =
-        |screw| Traction { at: screw, accuracy: 1e-4, creep: Traction::CREEP }.solve(&mut work);
+        |screw| Traction { screw, accuracy: 1e-4, creep: Traction::CREEP }.solve(&mut work);
     let tally = run_campaign(real_screws(2026), &mut solve);
     println!("{tally:?}");
     assert!(tally.converged >= 1999, "{tally:?}");
@@ -66,7 +66,7 @@ fn traction_converges_for_random_screws() {
 #[test]
 fn elastic_model_converges_if_a_root_exists() {
     let mut work = ElasticWorkspace::default();
-    let tally = run_campaign(real_screws(2026), |screw| Elastic { at: screw }.solve(&mut work));
+    let tally = run_campaign(real_screws(2026), |screw| Elastic { screw }.solve(&mut work));
     println!("{tally:?}");
     // A few screws have such large inertia forces (thousands of times the load) that no root
     // exists.
@@ -105,8 +105,8 @@ fn auto_never_chooses_a_model_outside_its_range() {
     let points: Vec<_> = drawn.collect();
     for tolerance in [1.0, 1e-1, 1e-2, 1e-4] {
         for screw in &points {
-            let chosen = Auto { at: *screw, tolerance }.solve(&mut work);
-            let Some(solved) = chosen.solved() else { continue };
+            let chosen = Auto { screw: *screw, tolerance }.solve(&mut work);
+            let Some(solved) = chosen.steady_state() else { continue };
             let onset = solved.skid.and_then(|skid| skid.onset_number());
             let (place, holds) = match chosen.model {
                 Model::RacewayControl => (0, onset.is_some_and(|onset| onset < MAX_ROLLING_ONSET)),
@@ -142,11 +142,11 @@ fn error_bound_of_a_skidding_ball_includes_the_effect_of_spin() {
         at.point.drive.nut_speed = of_nut * PI / 30.0;
         at.point.load.balls = balls;
         at.conformity = (nut, screw);
-        let exact = Traction { at, accuracy: 1e-10, creep: 1e-5 }.solve(&mut fine);
+        let exact = Traction { screw: at, accuracy: 1e-10, creep: 1e-5 }.solve(&mut fine);
         let exact = exact.efficiency().expect("converged");
-        let chosen = Auto { at, tolerance: 1e-2 }.solve(&mut work);
+        let chosen = Auto { screw: at, tolerance: 1e-2 }.solve(&mut work);
         assert_eq!(chosen.model, Model::Elastic, "{at:?}");
-        let solved = chosen.solved().expect("converged");
+        let solved = chosen.steady_state().expect("converged");
         let bound = solved.error.expect("a converged choice has a bound").efficiency;
         let error = (solved.transmission.efficiency - exact).abs();
         assert!(error <= bound && bound <= 1e-2, "{error:.1e} of {bound:.1e}: {at:?}");
@@ -167,10 +167,10 @@ fn check_error_bounds(screws: impl Iterator<Item = ElasticPoint>, tolerance: f64
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
     let mut tried = ChoiceCounts::default();
     for screw in screws.take(bsm_sample::campaign(2000)) {
-        let exact = Traction { at: screw, accuracy: 1e-10, creep: 1e-5 }.solve(&mut fine);
+        let exact = Traction { screw, accuracy: 1e-10, creep: 1e-5 }.solve(&mut fine);
         let Some(exact) = exact.efficiency() else { continue };
-        let chosen = Auto { at: screw, tolerance }.solve(&mut work);
-        let solved = chosen.solved().expect("converged");
+        let chosen = Auto { screw, tolerance }.solve(&mut work);
+        let solved = chosen.steady_state().expect("converged");
         let bound = solved.error.expect("a converged choice has a bound").efficiency;
         let error = (solved.transmission.efficiency - exact).abs();
         tried.points += 1;

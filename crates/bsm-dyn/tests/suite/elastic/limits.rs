@@ -12,7 +12,7 @@ use bsm_dyn::{
 use proptest::prelude::*;
 
 fn expect_solution(solution: Solution) -> SteadyState {
-    solution.answer.expect("a solution")
+    solution.result.expect("a solution")
 }
 
 fn with_friction(friction: f64, screw: ElasticPoint) -> ElasticPoint {
@@ -20,16 +20,16 @@ fn with_friction(friction: f64, screw: ElasticPoint) -> ElasticPoint {
 }
 
 fn onset_number(solution: &Solution) -> Option<f64> {
-    solution.solved()?.skid?.onset_number()
+    solution.steady_state()?.skid?.onset_number()
 }
 
 fn traction(screw: ElasticPoint, accuracy: f64, creep: f64) -> SteadyState {
-    let case = Traction { at: screw, accuracy, creep };
+    let case = Traction { screw, accuracy, creep };
     expect_solution(case.solve(&mut TractionWorkspace::default()))
 }
 
 fn solve_elastic(screw: ElasticPoint) -> SteadyState {
-    expect_solution(Elastic { at: screw }.solve(&mut ElasticWorkspace::default()))
+    expect_solution(Elastic { screw }.solve(&mut ElasticWorkspace::default()))
 }
 
 /// At small inertia, the efficiency of the elastic model equals the closed form at the loaded
@@ -57,7 +57,7 @@ fn traction_agrees_with_raceway_control_for_rolling_balls() {
         screw.point.friction.0 < 0.03 && screw.point.helix.lead_angle > 10.0_f64.to_radians()
     };
     for screw in real_screws(31).filter(calm).take(400) {
-        let rolling = RacewayControl { at: screw, control: None }.solve(&mut memory);
+        let rolling = RacewayControl { screw, control: None }.solve(&mut memory);
         if onset_number(&rolling).is_some_and(|s| s < 0.03) {
             tried += 1;
             let o = traction(screw, 1e-8, 1e-4);
@@ -77,7 +77,7 @@ fn traction_agrees_with_elastic_for_skidding_balls() {
     let mut memory = RacewayWorkspace::default();
     let mut tried = 0;
     for screw in real_screws(32).filter(|screw| inertia_ratio(screw) < 1.0).take(2000) {
-        let rolling = RacewayControl { at: screw, control: None }.solve(&mut memory);
+        let rolling = RacewayControl { screw, control: None }.solve(&mut memory);
         if onset_number(&rolling).is_some_and(|s| s > 3.0) {
             tried += 1;
             let difference = solve_elastic(screw).transmission.efficiency
@@ -95,11 +95,11 @@ fn onset_number_separates_rolling_from_sliding() {
     let (mut rolling, mut sliding) = (RacewayWorkspace::default(), ElasticWorkspace::default());
     let mut points = Vec::new();
     for screw in real_screws(33).take(4000) {
-        let rolling_ball = RacewayControl { at: screw, control: None }.solve(&mut rolling);
-        let skid = Elastic { at: screw }.solve(&mut sliding);
+        let rolling_ball = RacewayControl { screw, control: None }.solve(&mut rolling);
+        let skid = Elastic { screw }.solve(&mut sliding);
         let (Some(g), Some(s)) = (rolling_ball.efficiency(), skid.efficiency()) else { continue };
         let numbers = rolling_ball
-            .solved()
+            .steady_state()
             .and_then(|rolling_ball| rolling_ball.skid)
             .expect("raceway control");
         // If spin causes almost all of the loss, the efficiency of raceway control is not a useful
@@ -167,8 +167,8 @@ fn points_without_a_solution_report_the_correct_reason() {
     let smooth = with_friction(0.0, lin(10.0, 45.0, 100.0, 100.0));
     for (screw, reason) in [(still, Reason::NoRelativeSpeed), (smooth, Reason::Frictionless)] {
         let solutions = [
-            Elastic { at: screw }.solve(&mut ElasticWorkspace::default()),
-            Traction { at: screw, accuracy: 1e-4, creep: 1e-4 }
+            Elastic { screw }.solve(&mut ElasticWorkspace::default()),
+            Traction { screw, accuracy: 1e-4, creep: 1e-4 }
                 .solve(&mut TractionWorkspace::default()),
         ];
         for solution in solutions {
@@ -179,7 +179,7 @@ fn points_without_a_solution_report_the_correct_reason() {
     }
     // Friction holds any load, because sin β = 0.71 is less than f D = 1.08.
     let locked = with_friction(0.5, lin(64.0, 45.0, 2000.0, 100.0));
-    let solution = Elastic { at: locked }.solve(&mut ElasticWorkspace::default());
+    let solution = Elastic { screw: locked }.solve(&mut ElasticWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
     assert!(matches!(solution.reason(), Some(Reason::SelfLocking { .. })), "{solution:?}");
 }
@@ -204,12 +204,12 @@ fn no_solution_exists_above_the_largest_inertia_on_the_solution_curve() {
     for step in 0..200 {
         let screw = lin(10.0, 45.0, 500.0 * 1.05_f64.powi(step), 20.0);
         let inertia = inertia_ratio(&screw);
-        let solution = Elastic { at: screw }.solve(&mut work);
+        let solution = Elastic { screw }.solve(&mut work);
         match solution.reason() {
             None => (roots, most) = (roots + 1, inertia),
-            Some(Reason::NoSkidAtInertia { most, inertia: own, .. }) => {
+            Some(Reason::NoSkidAtInertia { max, inertia_ratio: own, .. }) => {
                 assert_eq!(solution.status(), Status::NoSolution);
-                assert!(*own > *most, "{own} {most}");
+                assert!(*own > *max, "{own} {max}");
             }
             other => panic!("{other:?}"),
         }
@@ -233,7 +233,7 @@ fn a_ball_under_very_small_load_slides() {
 fn a_very_soft_screw_has_no_solution() {
     let soft = bsm_dyn::Material { youngs_modulus: 1e7, poisson_ratio: 0.3 };
     let screw = ElasticPoint { material: (soft, soft), ..lin(10.0, 45.0, 2000.0, 1e6) };
-    let solution = Elastic { at: screw }.solve(&mut ElasticWorkspace::default());
+    let solution = Elastic { screw }.solve(&mut ElasticWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
     assert!(matches!(solution.reason(), Some(Reason::SlipAlongFriction { .. })), "{solution:?}");
 }
@@ -243,11 +243,11 @@ fn a_very_soft_screw_has_no_solution() {
 #[test]
 fn friction_below_the_rounding_error_of_the_loads_is_treated_as_zero() {
     let screw = with_friction(1e-310, lin(10.0, 45.0, 2000.0, 2113.0));
-    let case = Traction { at: screw, accuracy: 1e-4, creep: 1e-4 };
+    let case = Traction { screw, accuracy: 1e-4, creep: 1e-4 };
     let solution = case.solve(&mut TractionWorkspace::default());
     assert_eq!(solution.reason(), Some(&Reason::Frictionless));
     // Without friction, the skid number must be `None`, not infinite.
-    let rolling = RacewayControl { at: with_friction(0.0, screw), control: None };
+    let rolling = RacewayControl { screw: with_friction(0.0, screw), control: None };
     let o = expect_solution(rolling.solve(&mut RacewayWorkspace::default()));
     let skid = o.skid.expect("raceway control");
     assert_eq!((skid.skid_number, skid.onset_number()), (None, None));
@@ -256,7 +256,7 @@ fn friction_below_the_rounding_error_of_the_loads_is_treated_as_zero() {
 /// An earlier version accepted roots with contact angles below 0 or above 90 deg as converged.
 #[test]
 fn root_beyond_the_flank_is_not_a_solution() {
-    let solution = Traction { at: lin(5.0, 45.0, -30_000.0, 5.0), accuracy: 1e-6, creep: 1e-4 }
+    let solution = Traction { screw: lin(5.0, 45.0, -30_000.0, 5.0), accuracy: 1e-6, creep: 1e-4 }
         .solve(&mut TractionWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
     let Some(Reason::BallLeavesFlank { nut, .. }) = solution.reason() else {
@@ -282,8 +282,9 @@ fn power_balance_holds_at_low_speed_with_saturated_friction() {
 #[test]
 fn auto_reports_an_error_bound_above_the_tolerance_if_the_tolerance_is_unattainable() {
     let screw = lin(10.0, 45.0, 2000.0, 2113.0);
-    let exact = Auto { at: screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
-    let (choice, solved) = (exact.choice.expect("a choice"), exact.solved().expect("converged"));
+    let exact = Auto { screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
+    let (choice, solved) =
+        (exact.choice.expect("a choice"), exact.steady_state().expect("converged"));
     assert!(solved.error.expect("a bound").efficiency > choice.tolerance);
 }
 
@@ -304,18 +305,18 @@ fn auto_reports_no_error_bound_where_traction_has_no_solution() {
     };
     for contact_angle in [87.0, 89.0] {
         let at = feed_drive(contact_angle);
-        let traction = Traction { at, accuracy: 1e-8, creep: Traction::<f64>::CREEP };
+        let traction = Traction { screw: at, accuracy: 1e-8, creep: Traction::<f64>::CREEP };
         let traction = traction.solve(&mut TractionWorkspace::default());
         assert_eq!(traction.status(), Status::NoSolution, "{contact_angle}");
-        let auto = Auto { at, tolerance: 0.01 }.solve(&mut work);
-        assert!(auto.solved().expect("a rolling ball").error.is_none(), "{contact_angle}");
+        let auto = Auto { screw: at, tolerance: 0.01 }.solve(&mut work);
+        assert!(auto.steady_state().expect("a rolling ball").error.is_none(), "{contact_angle}");
     }
     // At these contact angles, friction does not rotate the contacts beyond the ends of their
     // flanks.
     for contact_angle in [20.0, 45.0, 80.0] {
-        let auto = Auto { at: feed_drive(contact_angle), tolerance: 0.01 }.solve(&mut work);
+        let auto = Auto { screw: feed_drive(contact_angle), tolerance: 0.01 }.solve(&mut work);
         assert_eq!(auto.model, Model::RacewayControl, "{contact_angle}");
-        assert!(auto.solved().expect("a rolling ball").error.is_some(), "{contact_angle}");
+        assert!(auto.steady_state().expect("a rolling ball").error.is_some(), "{contact_angle}");
     }
 }
 

@@ -117,13 +117,13 @@ proptest! {
                     prop_assert!(angle <= beyond + step, "{angle} {beyond}");
                 }
             }
-            Err(none) => {
-                prop_assert_eq!(none.evidence(), Some(Evidence::Proof), "{:?}", none);
-                prop_assert!(crossed.is_none(), "{:?} {:?}", crossed, none);
-                let Reason::FlanksCannotHold { held, centrifugal, .. } = *none.reason() else {
-                    panic!("{none:?}")
+            Err(failure) => {
+                prop_assert_eq!(failure.evidence(), Some(Evidence::Proof), "{:?}", failure);
+                prop_assert!(crossed.is_none(), "{:?} {:?}", crossed, failure);
+                let Reason::FlanksCannotHold { max_force_ratio, force_ratio, .. } = *failure.reason() else {
+                    panic!("{failure:?}")
                 };
-                prop_assert!(held < centrifugal);
+                prop_assert!(max_force_ratio < force_ratio);
             }
         }
     }

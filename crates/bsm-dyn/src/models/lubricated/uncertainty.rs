@@ -58,13 +58,17 @@ impl LubricatedBall {
     /// point. If the ball rolls, the power losses of the draws are calculated with the
     /// raceway-control model and one friction coefficient per contact; otherwise, they are
     /// calculated with the traction model.
-    pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
+    pub fn loss_interval(
+        &self,
+        solved: &SteadyState,
+        work: &mut ModelWorkspace,
+    ) -> Option<LossInterval> {
         let film = solved.film?;
         let rolls = solved.skid.and_then(|skid| skid.regime()) == Some(SlipRegime::Rolling);
         let model = if rolls { Model::RacewayControl } else { Model::Traction };
         let loss = |number: Option<u32>, work: &mut ModelWorkspace| {
             let solution = self.sample(number, film.temperature, model).solve(work);
-            let film = solution.solved()?.film?;
+            let film = solution.steady_state()?.film?;
             Some(film.sliding_power + film.rolling_power)
         };
         let nominal = loss(None, work)?;
@@ -124,9 +128,9 @@ impl LubricatedBall {
         lubricant.oil.pressure_viscosity = Some(alpha * factor(7));
         let model = if model == Model::Traction {
             let (accuracy, creep) = (ACCURACY, Traction::<f64>::CREEP);
-            LubricatedModel::Traction(Traction { at: screw, accuracy, creep })
+            LubricatedModel::Traction(Traction { screw, accuracy, creep })
         } else {
-            let case = RacewayControl { at: screw, control: None };
+            let case = RacewayControl { screw, control: None };
             LubricatedModel::RacewayControl(case, RacewayFriction::PerContact)
         };
         Self { lubricant, model }
