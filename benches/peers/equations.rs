@@ -295,7 +295,7 @@ mod tests {
             };
             let (case, system) =
                 (System::new(&point(case)), RigidSystem::of(&rigid).expect("friction"));
-            // The coordinates of the points differ from the starting point by up to 3 %. The
+            // Each coordinate differs from the coordinate of the starting point by up to 3 %. The
             // differences vary from case to case.
             let y = Vector::from_fn(|j, _| {
                 case.start[j] * (1.0 + 0.03 * f64::from(u32::try_from(i * j).unwrap()).sin())
@@ -314,8 +314,8 @@ mod tests {
                 let weight = system.weights[row];
                 let scale =
                     1.0 + weight * expected[row].eps.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
-                // Both implementations evaluate the same formulas in different order. Their results
-                // differ by the rounding errors of terms of this magnitude.
+                // Both implementations evaluate the same formulas, but in a different order. Their
+                // results therefore differ by the rounding errors of terms of this magnitude.
                 let close =
                     |ours: f64, theirs: f64| (ours - weight * theirs).abs() <= 1e-11 * scale;
                 assert!(close(r[row], expected[row].re), "{i}: row {row}");

@@ -1,4 +1,4 @@
-"""Measure the Python solvers at the points of a file, and write their answers. The script run.sh calls this file."""
+"""Benchmark the Python solvers at the points in a file, and write their results. The script run.sh calls this file."""
 
 import ctypes
 import importlib.metadata

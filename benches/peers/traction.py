@@ -1,4 +1,4 @@
-"""Solve the traction model at the points of a file with SciPy and with JAX. The script traction.sh calls this file.
+"""Solve the traction model at the points in a file with SciPy and with JAX. The script traction.sh calls this file.
 
 The equations are the same for both: `m` is math or jax.numpy for numbers, and `xp` is numpy or jax.numpy for arrays.
 They come from docs/theory/06-elastic-contact.md and 09-traction.md and have the unknowns (T1). All quantities are
@@ -94,7 +94,7 @@ class Case(NamedTuple):
 
 
 def hertz(ratio, m):
-    """Return the flatness b/a and the complete integrals K and E for a ratio of curvatures, (H7) and below (H11)."""
+    """Return the axis ratio b/a and the complete integrals K and E for a curvature ratio: (H7) and text below (H11)."""
     log_kappa = 2.0 / m.pi * m.log(ratio)
     # Newton's method is applied to logarithms and needs one step less than the loop takes. The arithmetic-geometric
     # means converge in five steps up to kappa = 100.

@@ -7,7 +7,7 @@ use std::path::Path;
 fn main() {
     println!("cargo::rustc-check-cfg=cfg(page_solver)");
     if env::var("CARGO_CFG_TARGET_FAMILY").is_ok_and(|family| family == "wasm") {
-        // The solver does not contain the page, so changes of the page do not require a new build.
+        // The solver does not contain the page, so changes to the page do not require a new build.
         println!("cargo::rerun-if-changed=build.rs");
         // Stack size of the solver [B]. The default is 1 MB.
         println!("cargo::rustc-link-arg-examples=-zstack-size=8388608");

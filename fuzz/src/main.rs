@@ -18,8 +18,8 @@ fuzz_target!(|input: &[u8]| TARGET.check(input));
 
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
     let mut rng = ChaCha8Rng::seed_from_u64(seed.into());
-    // Half of the mutations take the structure of the input into account; libFuzzer makes the other
-    // half.
+    // Half of the mutations take the structure of the input into account; libFuzzer generates the
+    // other half.
     if rng.random() {
         return fuzzer_mutate(data, size, max_size);
     }

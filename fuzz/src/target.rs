@@ -44,9 +44,9 @@ pub const TARGETS: [Target; 9] = [
 ];
 
 /// Maximum time for an input. The slowest input of the corpus has a lead angle and a contact angle
-/// of almost 90 deg. It takes 2.3 s in a release build, because model traction starts twice from
-/// each of its starting points. With debug assertions on a busy machine, this input takes ten times
-/// as long.
+/// of almost 90 deg. This input takes 2.3 s in a release build, because model traction starts twice
+/// from each of its starting points. With debug assertions on a busy machine, this input takes ten
+/// times as long.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
 
 /// Maximum memory for an input \[bytes\], in addition to [`MEMORY_PER_BYTE`] for each byte of the

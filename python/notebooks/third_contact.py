@@ -53,7 +53,7 @@ nuts[["axial_play_um", *names]].to_pandas().set_index("axial_play_um").T.round(3
 # balls touch a third flank. This contact carries only a few newtons. However, its slip speed is the rolling speed of
 # the ball, so it causes more than half of the torque. The drag torque is then close to the rule.
 #
-# `running_preload_torque_factor` is the drag coefficient $K_p$ in $T = K_p F_p l / 2 \pi$. According to the
+# `running_preload_torque_factor` is the drag torque coefficient $K_p$ in $T = K_p F_p l / 2 \pi$. According to the
 # manufacturers' rule, $K_p = 0.05 / \sqrt{\tan \alpha}$, where $\alpha$ is the lead angle. The uncertainty of the rule
 # is 20 to 50 %.
 #

@@ -54,7 +54,7 @@ fn of_text(error: impl Display) -> PyErr {
     Error::from(error.to_string()).into()
 }
 
-/// Creates the exception for an error in a folder of parts.
+/// Creates the exception for an error in the folder of a dataset that is solved in parts.
 fn folder(error: DatasetError) -> PyErr {
     match error {
         DatasetError::Io { .. } | DatasetError::Thread(_) => PyOSError::new_err(error.to_string()),

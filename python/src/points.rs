@@ -400,7 +400,7 @@ struct RowAnswers {
     /// Output columns. A column is `None` as long as no row has a value.
     columns: Vec<Option<Vec<f64>>>,
     len: usize,
-    /// True to keep the messages of rows that have a result, too.
+    /// True if messages are also kept for rows that have a result.
     text: bool,
 }
 

@@ -260,7 +260,8 @@ pub(crate) fn select(
 
 /// Finds the best contact angle and the self-locking limits.
 ///
-/// * `model`: model for which the best contact angle is also searched, unless the model is `auto`.
+/// * `model`: model for which the best contact angle is also determined, unless the model is
+///   `auto`.
 #[pyfunction]
 pub(crate) fn optimum(
     py: Python<'_>,

@@ -34,8 +34,8 @@ pub(crate) struct Solution {
     solved: bsm_case::Case,
     settings: Settings,
     record: Record,
-    /// Torque of the whole screw, calculated on first access. If it cannot be calculated, this is
-    /// the message that explains why.
+    /// Torque of the whole screw, calculated on first access. If the torque cannot be calculated,
+    /// the field contains a message that explains why.
     screw_torque: OnceLock<Result<f64, String>>,
 }
 

@@ -194,7 +194,7 @@ impl KeptColumn {
     }
 }
 
-/// A column of a data frame: either numbers with missing values, or a copied column.
+/// A data-frame column: either numbers, some of which may be missing, or a column copied unchanged.
 #[derive(IntoPyObject)]
 pub(crate) enum Read {
     /// Values (NaN if missing), and the indices of the rows without a value.

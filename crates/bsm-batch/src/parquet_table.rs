@@ -91,7 +91,7 @@ impl ParquetSource {
         table_format: &TableFormat,
     ) -> Result<Self, TableError> {
         // The Arrow types that the file stores are skipped here, because the parquet crate panics
-        // if they are damaged. Only `with_temporal_types` needs them.
+        // if the stored types are damaged. Only `with_temporal_types` needs the Arrow types.
         let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let found = ArrowReaderMetadata::load(&file, plain)?;
         let fields = with_temporal_types(&found);
@@ -268,8 +268,8 @@ fn properties(schema: &Schema) -> WriterProperties {
                 .set_column_dictionary_enabled(column.clone(), false)
                 .set_column_encoding(column, Encoding::BYTE_STREAM_SPLIT),
             // No statistics are written for text columns, because calculating them takes nearly as
-            // long as encoding the column (12 and 16 ns per row). Readers find the few different
-            // texts in the dictionary.
+            // long as encoding the column (12 and 16 ns per row). Text columns contain only a few
+            // distinct texts, which readers find in the dictionary.
             DataType::Utf8 => {
                 properties.set_column_statistics_enabled(column, EnabledStatistics::None)
             }

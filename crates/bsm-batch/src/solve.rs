@@ -148,8 +148,8 @@ pub(crate) struct Solver<'a> {
 impl<'a> Solver<'a> {
     pub(crate) fn new(task: &'a Task, columns: &'a Columns) -> Self {
         let mut outputs = [&task.outputs[..], &task.filled].concat();
-        // An output that is also written must not be requested twice, because a kernel writes only
-        // one column for each output.
+        // A watched output that is also a column of the result must not be requested twice, because
+        // a kernel writes only one column for each output.
         let only_watched = task.watched_index().is_some_and(|index| index == outputs.len());
         outputs.extend(task.watched.filter(|_| only_watched));
         let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
@@ -320,7 +320,7 @@ impl ChunkSolve<'_> {
     ) -> (Option<Verdict>, Option<String>) {
         let task = self.solver.task;
         let given = self.chunk.case(self.solver.columns, &task.base, row);
-        // A case has a size of several kilobytes, so it is passed by reference.
+        // A case occupies several kilobytes, so it is passed by reference.
         let estimated = match &given {
             Ok(case) if task.estimates_rows => Some(task.groove_of(case)),
             _ => None,
@@ -411,7 +411,7 @@ impl ChunkSolve<'_> {
                 });
                 messages.extend(record.message().map(str::to_owned).or_else(|| record.choice()));
                 for (index, output) in outputs.iter().enumerate() {
-                    // The limits of intervals have already been stored by `intervals`.
+                    // The interval limits have already been stored by `intervals`.
                     if output.interval().is_none() {
                         store(index, record.value(output).unwrap_or(f64::NAN));
                     }

@@ -21,7 +21,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     for name in [output!(cycle_life_h), output!(screw_torque_Nm), output!(screw_efficiency)] {
         match axis.number(name) {
             Some(value) => writeln!(stdout(), "{:24} {value:.5}", name.name())?,
-            None => writeln!(stdout(), "{:24} not known from these inputs", name.name())?,
+            None => {
+                writeln!(stdout(), "{:24} cannot be calculated from these inputs", name.name())?
+            }
         }
     }
     writeln!(stdout(), "all rules pass: {}", axis.passes())?;

@@ -28,7 +28,7 @@ const FILES: [(&str, &str, &str); 4] = [
         "select",
         "Output file: .json for the case of the screw or of the first nut; .csv, .xlsx or `-` for the steps; \
          .csv, .xlsx, `-`, .jsonl or .parquet for a list of nuts",
-        "Folder for figures (SVG and CSV) of the listed nuts: the figures of Sobolewski (2002), or ratings, stiffness and mass of the nuts of a TABLE.csv",
+        "Folder for figures (SVG and CSV): the figures of Sobolewski (2002) for the listed nuts, or ratings, stiffness and mass of the nuts in a TABLE.csv",
     ),
     (
         "solve",

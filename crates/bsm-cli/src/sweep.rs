@@ -99,7 +99,7 @@ fn sweep_table(
     if once && files.table.is_some_and(is_folder) {
         let name = if is_stdout(path) { "standard input".into() } else { path.to_string_lossy() };
         let text = format!(
-            "{name}: a folder of parts needs points from a file, because the points are read twice"
+            "{name}: the points for a folder of parts must come from a file, because the points are read twice"
         );
         return Err(Failure::Input(text));
     }

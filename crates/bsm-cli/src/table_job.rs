@@ -143,9 +143,9 @@ impl Job<'_> {
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
         let form = form_of(path)?;
-        // Text formats cannot store the origin of the table. The description of the origin is
-        // created only if it is needed, because creating it requires reading the whole table of
-        // points.
+        // Text formats cannot store metadata. The metadata that describe how the table was made are
+        // created only if they are needed, because creating them requires reading the whole table
+        // of points.
         let is_text = matches!(form, Form::Table(Format::Csv | Format::JsonLines));
         let mut about = if is_text && self.about.is_none() {
             Value::Null
@@ -473,7 +473,7 @@ pub(crate) type NumberRow = (&'static str, &'static str, f64);
 /// Writes a table with one row per quantity. The columns are name, unit and value.
 #[cfg_attr(
     not(feature = "xlsx"),
-    expect(unused_variables, reason = "only workbooks contain the description of their origin")
+    expect(unused_variables, reason = "only workbooks contain metadata on how the table was made")
 )]
 pub(crate) fn write_rows(
     path: &Path,

@@ -94,7 +94,7 @@ pub struct Limits {
 
 /// One combination of sizes, with lengths in m and angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[expect(missing_docs, reason = "the fields are entries of the lists of sizes")]
+#[expect(missing_docs, reason = "each field is an entry of the corresponding list in `Lists`")]
 pub struct Size {
     pub diameter: f64,
     pub lead: f64,

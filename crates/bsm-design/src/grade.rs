@@ -94,8 +94,8 @@ impl Grade {
     pub fn worst_error(&self, travel: f64) -> Option<f64> {
         let deviation = self.deviation(travel)?;
         if self.travels.is_empty() {
-            // If the permitted deviation of a grade is proportional to the travel, it already
-            // includes all variations.
+            // If the permitted deviation of a grade is proportional to the travel, the deviation
+            // already includes all variations.
             return Some(deviation);
         }
         // e = e_p + v_up/2                                                (Z35)

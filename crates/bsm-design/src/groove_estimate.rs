@@ -264,7 +264,7 @@ impl CatalogLine {
         for (ball, ln_prior) in self.balls(prior) {
             self.add_hypotheses(prior, (ball, ln_prior), &mut weighted);
         }
-        // If the given ball overlaps the screw axis, its ratings are not finite.
+        // If the given ball overlaps the screw axis, the load ratings are not finite.
         weighted.retain(|(_, ln_weight)| ln_weight.is_finite());
         let ln_evidence = ln_sum(weighted.iter().map(|(_, ln_weight)| *ln_weight));
         let normalized = |(hypothesis, ln_weight): (Hypothesis, f64)| Hypothesis {
@@ -677,8 +677,8 @@ mod tests {
             refused.mistakes.first().map(|found| found.0),
             Some(CatalogMistake::LeadTimesTen)
         );
-        // If the given ball overlaps the screw axis, its rating is not defined. The result is an
-        // error instead of NaN.
+        // If the given ball overlaps the screw axis, the load rating is undefined, so the function
+        // must return an error instead of NaN.
         let huge = CatalogLine { ball_diameter: Some(100e-3), ..sfu() };
         assert_eq!(huge.estimate().expect_err("no rating").nearest, None);
     }

@@ -44,8 +44,7 @@ pub struct LeastSquares {
 ///   or by a number proportional to it.
 ///
 /// # Errors
-///
-/// Returns the first error of `residuals`.
+/// Returns the first error that `residuals` returns.
 pub fn least_squares<E>(
     mut residuals: impl FnMut(&[f64]) -> Result<Option<Vec<f64>>, E>,
     start: &[f64],
@@ -171,8 +170,8 @@ mod tests {
         assert_relative_eq!(found.parameters[1], 1.3, epsilon = 1e-7);
     }
 
-    /// For a straight line with scattered points, slope, offset and standard deviations match
-    /// linear regression.
+    /// For a straight line with scattered points, slope, offset and standard deviations match the
+    /// results of linear regression.
     #[test]
     fn standard_deviations_of_a_fitted_line_match_linear_regression() {
         let data = [(0.0, 1.1), (1.0, 1.9), (2.0, 3.2), (3.0, 3.8)];
@@ -187,7 +186,7 @@ mod tests {
     }
 
     /// If the minimum lies beyond the bound of one parameter, this parameter stays at its bound.
-    /// The other parameter is optimal for this value.
+    /// The other parameter is optimal for the parameter value at the bound.
     #[test]
     fn a_parameter_beyond_its_bound_is_held_at_the_bound() {
         let data = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)];

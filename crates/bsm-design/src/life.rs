@@ -25,8 +25,8 @@ pub struct Life {
     /// Equivalent load on the more heavily loaded flank of a nut, or on the more heavily loaded nut
     /// of a pair \[N\].
     pub mean_load: f64,
-    /// Equivalent load on the other flank, or on the other nut of a pair; 0 if it carries no load
-    /// \[N\].
+    /// Equivalent load on the less heavily loaded flank of a nut, or on the less heavily loaded nut
+    /// of a pair \[N\]; 0 if this flank or nut carries no load.
     pub other_mean_load: f64,
     /// Equivalent speed \[rad/s\].
     pub mean_speed: f64,
@@ -273,9 +273,9 @@ mod tests {
         assert_relative_eq!(of.time / 3600.0, 20_000.0, max_relative = 2e-5);
     }
 
-    /// Without an external load, both nuts carry the preload. At 2^{3/2} times the preload, one nut
-    /// is just unloaded, and the pair has the life of a single nut under this load. If the load
-    /// changes direction, the nuts exchange their roles.
+    /// Without an external load, both nuts of a pair carry the preload. Under a load of 2^{3/2}
+    /// times the preload, one nut is just unloaded, and the pair has the life of a single nut under
+    /// this load. If the load changes direction, the nuts exchange their roles.
     #[test]
     fn a_pair_without_remaining_preload_has_the_life_of_one_nut() {
         let pair = |load| life(20e3, Some(1e3), &[duty(load, 1.0, 1.0)]).expect("turns");
@@ -314,10 +314,10 @@ mod tests {
         assert_relative_eq!(ours, by_hand, max_relative = 1e-12);
     }
 
-    /// Loads in both directions used to be combined on one flank. The hand calculation is for a nut
-    /// with a rating of 20 kN under 3 kN in each direction for half of all revolutions. Each flank
-    /// has an equivalent load of 2^(-1/3) · 3 kN. The life is 2^(-0.9) times the life of one flank,
-    /// which is twice the life under a constant load of 3 kN.
+    /// In an earlier version, loads in both directions were combined on one flank. The hand
+    /// calculation is for a nut with a rating of 20 kN under 3 kN in each direction for half of all
+    /// revolutions. Each flank has an equivalent load of 2^(-1/3) · 3 kN. The life is 2^(-0.9)
+    /// times the life of one flank, which is twice the life under a constant load of 3 kN.
     #[test]
     fn loads_in_opposite_directions_act_on_separate_flanks() {
         let turned = |loads: [f64; 2]| {

@@ -10,7 +10,7 @@ use crate::Grade;
 /// Source: HIWIN BS-08-2, table 6.2, ground; THK, table 15, rolled.
 const MAX_LENGTHS: &str = include_str!("longest_screws.csv");
 
-/// Step to which nominal diameters are rounded \[m\], which is one millimeter.
+/// Rounding increment of nominal diameters: one millimeter \[m\].
 const STEP: f64 = 1e-3;
 
 /// Manufacturing process of a screw, or type of ball return.
@@ -41,7 +41,7 @@ impl Make {
             Self::Caged => 130e3,
             Self::HighSpeed => 160e3,
         };
-        // Catalogs state the limit in mm/min.
+        // Catalogs state the permitted speed number in mm/min.
         workshop * 1e-3 * TAU / 60.0
     }
 

@@ -91,8 +91,7 @@ pub fn usual_fatigue_limit(static_rating: f64, pitch_diameter: f64) -> f64 {
 /// ```math
 /// \kappa = \frac{\nu}{\nu_1}, \qquad \nu_1 = 45\,000\,n^{-0.83}D_{pw}^{-1/2}\ (n < 1000), \quad 4500\,n^{-1/2}D_{pw}^{-1/2}
 /// ```
-///
-/// where `$\nu$` is in mm²/s, `$n$` in rpm and `$D_{pw}$` in mm.
+/// Here, `$\nu$` is in mm²/s, `$n$` in rpm and `$D_{pw}$` in mm.
 ///
 /// * `viscosity`: kinematic viscosity of the lubricant at operating temperature \[m²/s\].
 /// * `speed`: speed of the screw relative to the nut \[rad/s\], nonzero.

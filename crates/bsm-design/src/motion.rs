@@ -16,9 +16,8 @@ const ROUNDING: f64 = 1e-12;
 
 /// Fraction of the largest speed of a phase below which friction is constant. The transition from
 /// standstill is not modeled.
-///
-/// The constant also applies to loads: without a preload, friction varies linearly with the load
-/// for all loads below this fraction of the largest load of the phase.
+/// This constant also applies to loads: without a preload, friction is assumed to vary linearly
+/// with the load for all loads below this fraction of the largest load of the phase.
 const CREEP: f64 = 1e-3;
 
 /// Number of Gauss nodes that represent a ramp if each friction calculation is expensive.
@@ -279,9 +278,10 @@ impl PhasePoint {
         (load - other).abs() <= 1e-12 * load.max(other)
     }
 
-    /// Compares the absolute loads. If they are equal, a load against the motion is larger, because
-    /// it needs more torque than a load in the direction of motion. Two such loads are compared by
-    /// their absolute speeds.
+    /// Compares two points by their absolute loads. If the loads are equal, a load against the
+    /// motion counts as larger than a load in the direction of motion, because a load against the
+    /// motion needs more torque. If both loads act against the motion, or neither does, the
+    /// absolute speeds are compared.
     fn compare(&self, other: &Self) -> std::cmp::Ordering {
         if !self.has_load_of(other) {
             return self.load.abs().total_cmp(&other.load.abs());
@@ -351,7 +351,7 @@ impl Phase {
         [self.at(0.0), self.at(1.0)]
     }
 
-    /// Returns the heavier end point (see [`PhasePoint::heavier`]).
+    /// Returns the end point with the larger absolute load (see [`PhasePoint::heavier`]).
     pub fn heavier_end(&self) -> PhasePoint {
         let [start, end] = self.ends();
         start.heavier(end)
@@ -433,8 +433,8 @@ impl Phase {
         Some(sum)
     }
 
-    /// Divides the phase into parts within which friction is a smooth function. The limits of each
-    /// part are shares of the duration.
+    /// Divides the phase into parts within which friction is a smooth function. Each part is given
+    /// by its start and its end, as fractions of the duration.
     fn parts_of_friction(&self, preload: Option<f64>) -> Vec<[f64; 2]> {
         let [start, end] = if self.has_constant_load() { self.speed } else { self.load };
         let most = start.abs().max(end.abs());
@@ -610,7 +610,8 @@ fn changes_of_sign<const N: usize>(ends: [f64; 2], of: impl Fn(f64) -> [f64; N])
         let values = ends.map(&of);
         for number in 0..N {
             let values = values.map(|values| values[number]);
-            // A product of the values would miss a root at which one value is exactly zero.
+            // A sign test on the product of the two values would miss a root at which one value is
+            // exactly zero.
             if (values[0] < 0.0) != (values[1] < 0.0) {
                 let bracket = Bracket::new(ends, values);
                 let root = bracket.root(|place| of(place)[number]);
@@ -752,7 +753,7 @@ mod tests {
         let found = phase.means(&drive(), None, film).expect("friction");
         let by_hand = 100.0_f64.powf(5.0 / 3.0) * 3.0 / 8.0;
         // Below one thousandth of the largest speed, friction is constant. The resulting relative
-        // error of the heat is at most 1e-6 times (1e-3)^(2/3).
+        // error of the heat is at most 1e-6 · (1e-3)^(2/3) = 1e-8.
         assert_relative_eq!(found.heat, by_hand, max_relative = 1e-7);
     }
 
@@ -791,7 +792,8 @@ mod tests {
         );
     }
 
-    /// The range has 16 parts, so the root at its middle is one of the evaluated points.
+    /// The search divides the range into 16 parts, so a root in the middle of the range coincides
+    /// with an evaluated point.
     #[test]
     fn sign_change_at_an_evaluated_point_is_found() {
         for ends in [[-1.0, 1.0], [1.0, -1.0]] {

@@ -151,8 +151,7 @@ impl Nut {
     /// ```math
     /// C_{0a} = \frac{27.74\, n\,i\, D_w^2 \sin\beta\cos\alpha}{D_w\sqrt{\rho_t\rho_x}}
     /// ```
-    ///
-    /// where the curvatures belong to the contact between ball and screw. The groove is treated
+    /// Here, the curvatures belong to the contact between ball and screw. The groove is treated
     /// like a bearing groove, with zero lead angle.
     ///
     /// Source: ISO/DP 9784 as in Sobolewski (2002).

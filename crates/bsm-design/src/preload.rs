@@ -8,7 +8,7 @@ use crate::UNLOADING_RATIO;
 pub enum PreloadSize {
     /// Preload force \[N\].
     Force(f64),
-    /// Smallest preload at which the largest load does not unload either nut of a pair.
+    /// Smallest preload at which neither nut of a pair is unloaded by the largest load.
     Auto,
     /// Preload as a fraction of the dynamic load rating.
     Share(f64),
@@ -51,20 +51,20 @@ impl PreloadSize {
     }
 }
 
-/// Returns the smallest preload of a nut pair \[N\] at which a load does not unload either nut
-/// (AA6).
+/// Returns the smallest preload of a nut pair \[N\] at which neither nut is unloaded by a given
+/// load (AA6).
 ///
 /// ```math
 /// F_{max}/2^{3/2} \le F_{pr} \le q\,C_a
 /// ```
-///
-/// Source: THK, A-687, which uses a third of the load; (D14).
+/// Source: (D14). THK, A-687, uses one third of the load instead.
 pub fn least_preload(load: f64) -> f64 {
     // F_pr ≥ F_max/2^(3/2)                                                (AA6)
     load / UNLOADING_RATIO
 }
 
-/// Rounds a force up to a multiple of 50 N below 5 kN and of 100 N from 5 kN.
+/// Rounds a force up to a multiple of 50 N if it is below 5 kN, and otherwise to a multiple of 100
+/// N.
 fn rounded_up(force: f64) -> f64 {
     let step = if force < 5e3 { 50.0 } else { 100.0 };
     // The subtracted 1e-9 prevents rounding errors from raising an exact multiple of the step to
@@ -77,8 +77,8 @@ fn rounded_up(force: f64) -> f64 {
 pub enum PreloadClass {
     /// The preload class specifies a preload.
     Preload(PreloadSize),
-    /// The class has no preload. The value is the largest axial play \[m\], if the manufacturer
-    /// states it.
+    /// The class specifies no preload. The value is the largest axial play \[m\], if the
+    /// manufacturer states it.
     Play(Option<f64>),
 }
 
@@ -114,8 +114,8 @@ mod tests {
     use super::*;
 
     /// Hand calculation for a feed axis with a largest load of 7000 N. The preload must be at least
-    /// 2474.9 N, which is rounded up to 2500 N. For a double nut with a rating of 52.7 kN, it may
-    /// be at most 5270 N.
+    /// 2474.9 N, which is rounded up to 2500 N. For a double nut with a rating of 52.7 kN, the
+    /// preload may be at most 5270 N.
     #[test]
     fn auto_preload_is_rounded_up_to_catalog_steps() {
         assert_relative_eq!(least_preload(7e3), 2474.9, max_relative = 2e-5);

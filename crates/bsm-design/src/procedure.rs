@@ -14,13 +14,14 @@ use crate::{AcceptedBy, Check, Design, DesignQuantity, EfficiencyOf, Nut, Pitch,
 /// applies.
 const TURNS: (u32, u32) = (2, 12);
 
-/// Numbers of intervals of the coarse grid for contact angle and conformity.
+/// Numbers of intervals in the coarse grid, for contact angle and for conformity.
 const COARSE_GRID: (u32, u32) = (9, 2);
 
 /// Number of candidates from the coarse grid whose contact angle and conformity are optimized.
 const MAX_REFINED: usize = 24;
 
-/// Violation below which candidates on the coarse grid are ranked by their objective only.
+/// Constraint violation below which candidates on the coarse grid are ranked by their objective
+/// only.
 const COARSE_VIOLATION: f64 = 0.1;
 
 /// Starting points of the optimization in the unit cube. The coordinates are pitch circle diameter,
@@ -62,11 +63,11 @@ pub enum Outcome {
     Found {
         /// The selected screw.
         design: Design,
-        /// The active limits. In a search of continuous sizes, these are the limits that the screw
-        /// just meets. In a search of standard sizes, these are the limits without which a better
-        /// screw would be selected.
+        /// The active limits. In a search over continuous sizes, these are the limits that the
+        /// screw just meets. In a search over standard sizes, these are the limits without which a
+        /// better screw would be selected.
         active: Vec<BindingLimit>,
-        /// Names of the rules that better screws violate. These rules are checked with the loads of
+        /// Names of the design rules that better screws violate. These rules depend on the loads of
         /// all balls.
         failed_rules: Vec<&'static str>,
     },
@@ -85,7 +86,7 @@ pub enum Outcome {
 /// A limit that cannot be met together with the other limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ActiveLimit {
-    /// The limit, and the value for the screw with the smallest violation.
+    /// The limit, and the value of the limited quantity for the screw with the smallest violation.
     pub check: Check,
     /// Reason why this limit blocks a solution.
     pub cause: Infeasibility,
@@ -94,10 +95,10 @@ pub struct ActiveLimit {
 /// Reason why a limit cannot be met together with the other limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Infeasibility {
-    /// The other limits can all be met without this limit. The value is the best value of the
+    /// All other limits can be met if this limit is removed. The value is the best value of the
     /// limited quantity under the other limits.
     SingleLimit(f64),
-    /// The other limits cannot all be met, even without this limit.
+    /// The other limits cannot all be met, even if this limit is removed.
     SeveralLimits,
     /// The limits can be met only with a fractional number of balls or with an unavailable ball
     /// size.
@@ -147,8 +148,8 @@ impl Requirement {
         if let [best, ..] = feasible[..] {
             return Outcome::Infeasible { design: complete(best.nut), blocking: Vec::new() };
         }
-        // The search for the limits that rule out all designs needs the efficiency only if the
-        // efficiency or the power has a limit.
+        // The search below identifies the limits that rule out all designs. It needs the efficiency
+        // only if the requirements limit the efficiency or the power.
         let search = Search { efficiency: limited.then_some(efficiency), ..search };
         let (at, mut blocking) = search.conflict(&turns);
         let mut nut = search.nut(&at);
@@ -298,7 +299,8 @@ impl Search<'_> {
     /// Returns the nut for a point of the search space, with a fractional number of balls.
     fn nut(&self, at: &Trial) -> Nut {
         let variables = self.variables(&at.free);
-        // If a turn holds at most the four balls in the ball return, no ball would carry load.
+        // If a turn held no more balls than the four in the ball return, no ball would carry load,
+        // so the number of loaded balls is at least 0.1.
         let loaded = (self.balls(&variables) - IDLE_BALLS).max(0.1);
         self.nut_of(&variables, loaded, at.turns)
     }
@@ -334,8 +336,8 @@ impl Search<'_> {
     }
 
     /// Starts a minimization from every combination of starting point and number of turns, and
-    /// returns the best minimum. This is the minimum with the smallest violation or, if several
-    /// minima have the same violation, with the smallest objective.
+    /// returns the best minimum. The best minimum has the smallest violation or, if several minima
+    /// have the same violation, the smallest objective.
     fn best_from(
         &self,
         starts: &[[f64; 4]],
@@ -492,8 +494,8 @@ impl Search<'_> {
         (at, blocking)
     }
 
-    /// Returns the limit as a blocking limit, with the best value of its quantity under all other
-    /// limits. Returns `None` if the other limits cannot all be met.
+    /// Returns the given limit as a blocking limit, together with the best value of the limited
+    /// quantity under all other limits. Returns `None` if the other limits cannot all be met.
     fn without(&self, check: &Check, turns: &[f64]) -> Option<ActiveLimit> {
         let blocked = |best| ActiveLimit { check: *check, cause: Infeasibility::SingleLimit(best) };
         if check.quantity == DesignQuantity::Turns {
@@ -539,8 +541,9 @@ fn tidy(nut: Nut) -> Nut {
     }
 }
 
-/// Returns the whole numbers between two limits. If there are more than 200, numbers are skipped at
-/// regular intervals. This happens only if the lead is many times the circumference of the screw.
+/// Returns the whole numbers between two limits. If there are more than 200 numbers, some of them
+/// are skipped at regular intervals. So many numbers occur only if the lead is many times the
+/// circumference of the screw.
 fn whole(low: f64, high: f64) -> impl Iterator<Item = f64> {
     const MAX_WHOLE_NUMBERS: f64 = 200.0;
     let stride = ((high - low) / MAX_WHOLE_NUMBERS).ceil().max(1.0);

@@ -134,13 +134,13 @@ impl Ranges {
     /// Range of the ratio of ball radius to groove radius in step 6 of Lin's procedure.
     pub const LIN_BALL_OVER_GROOVE: (f64, f64) = (0.95, 0.97);
 
-    /// Returns the range of the ratio of ball radius to pitch circle radius that a search of
+    /// Returns the range of the ratio of ball radius to pitch circle radius that a search over
     /// continuous sizes covers.
     pub(crate) fn searched_ball_over_radius(&self) -> (f64, f64) {
         searched(self.ball_over_radius, Self::LIN_BALL_OVER_RADIUS)
     }
 
-    /// Returns the range of the ratio of ball radius to groove radius that a search of continuous
+    /// Returns the range of the ratio of ball radius to groove radius that a search over continuous
     /// sizes covers.
     pub(crate) fn searched_ball_over_groove(&self) -> (f64, f64) {
         searched(self.ball_over_groove, Self::LIN_BALL_OVER_GROOVE)
@@ -193,8 +193,8 @@ pub struct Requirement {
     pub material: (Material, Material),
     /// Upper limit of the Hertzian contact pressure \[Pa\].
     pub pressure: f64,
-    /// Upper limit of the speed number \[m·rad/s\]; defaults to the limit for the make of the
-    /// screw.
+    /// Upper limit of the speed number \[m·rad/s\]; defaults to the limit for the manufacturing
+    /// process or the type of ball return.
     pub speed_number: Option<f64>,
     /// Manufacturing process or type of ball return.
     pub make: Make,
@@ -306,20 +306,20 @@ impl Check {
 }
 
 impl Requirement {
-    /// Default upper limit of the ratio of ball diameter to the pitch of the grooves. The rest of
-    /// the pitch is the land between the grooves.
+    /// Default upper limit of the ratio of ball diameter to groove spacing. The remaining part of
+    /// the spacing is the land between neighboring grooves.
     pub const BALL_OVER_LEAD: f64 = 0.8;
 
-    /// Returns the largest number of loaded turns that a search of continuous sizes tries.
+    /// Returns the largest number of loaded turns that a search over continuous sizes tries.
     pub(crate) fn searched_turns(&self) -> f64 {
         self.largest_turns.unwrap_or(6.0)
     }
 
-    /// Returns the requirement with an upper limit of the number of loaded turns. If the limit is
-    /// missing, the default limit is used.
+    /// Returns a copy of the requirement with an upper limit on the number of loaded turns. If the
+    /// requirement has no such limit, the default limit is used.
     ///
-    /// * `listed`: limit from a list of sizes, or infinity. It replaces the default limit if it is
-    ///   larger.
+    /// * `listed`: largest number of turns in a list of sizes, or infinity. If it is finite and
+    ///   larger than the default limit, it replaces the default limit.
     #[must_use]
     pub fn with_usual_turns(&self, listed: f64) -> Self {
         let usual = self.searched_turns();
@@ -328,7 +328,8 @@ impl Requirement {
     }
 
     /// Returns a copy of the requirement in which missing limits of ratios and turns are replaced
-    /// by the limits for a search of continuous sizes. Sizes from lists do not need these limits.
+    /// by the limits for a search over continuous sizes. A search over lists of sizes does not need
+    /// these limits.
     #[must_use]
     pub fn of_any_size(&self) -> Self {
         let both = |(low, high)| (Some(low), Some(high));
@@ -387,7 +388,7 @@ impl Requirement {
 pub struct Design {
     /// The nut with its groove geometry.
     pub nut: Nut,
-    /// Size in the lists from which the nut was chosen; `None` in a search of continuous sizes.
+    /// Size in the lists from which the nut was chosen; `None` in a search over continuous sizes.
     pub size: Option<Size>,
     /// Operating point for which the efficiency is calculated. It has the largest load of all
     /// phases with motion.

@@ -8,7 +8,7 @@
 pub struct SignRuns {
     /// Number of runs of equal signs.
     pub runs: usize,
-    /// Probability that at most this number of runs occurs if all orders of the signs are equally
+    /// Probability that there are at most this many runs if all orders of the signs are equally
     /// likely (Wald and Wolfowitz).
     pub probability: f64,
 }
@@ -34,7 +34,7 @@ impl SignRuns {
 
 /// Returns the fraction of all orders of the signs that have exactly the given number of runs.
 fn part(runs: usize, signs: [usize; 2]) -> f64 {
-    // Runs of both signs alternate, so their numbers differ by at most one.
+    // Positive and negative runs alternate, so their numbers differ by at most one.
     let (few, many) = (runs / 2, runs - runs / 2);
     let ways = |of: [usize; 2]| -> f64 {
         (0..2).map(|i| ln_binomial(signs[i] - 1, of[i] - 1)).sum::<f64>()

@@ -100,8 +100,7 @@ pub struct SignChanges {
 /// neighboring grid points, both are missed. A jump across zero does not count as a root.
 ///
 /// # Errors
-///
-/// Returns the first error of `function`.
+/// Returns the first error that `function` returns.
 pub fn sign_changes<E: Into<SearchError>>(
     function: impl Fn(f64) -> Result<f64, E>,
     range: (f64, f64),
@@ -200,7 +199,7 @@ pub struct Value {
     pub violations: Vec<f64>,
 }
 
-/// Tolerance up to which a violated constraint is accepted.
+/// Largest constraint violation that is accepted.
 pub const SLACK: f64 = 1e-4;
 
 impl Value {
@@ -334,8 +333,8 @@ mod tests {
         let expected = [(1.0, 3.0), (4.0, -3.0)];
         assert!(found.roots.len() == 2 && found.jumps.is_empty(), "{found:?}");
         for (root, (at, slope)) in found.roots.iter().zip(expected) {
-            // The error of the one-sided difference is the step, which is 1e-4 times the root, times
-            // half the second derivative, which is -1.
+            // The error of the one-sided difference is the step times half the second derivative.
+            // The step is 1e-4 times the root, and half the second derivative is -1.
             assert!((root.at - at).abs() < 1e-12, "{found:?}");
             assert!((root.slope - slope).abs() < 1.1e-4 * at, "{found:?}");
         }
@@ -380,8 +379,8 @@ mod tests {
     }
 
     /// The expected minimum is the point nearest to (0.9, 0.9) on a disc of radius 0.3 around (0.5,
-    /// 0.5). With the additional constraint x ≤ 0.6, it is the intersection of both constraint
-    /// boundaries.
+    /// 0.5). With the additional constraint x ≤ 0.6, the expected minimum is the intersection of
+    /// both constraint boundaries.
     #[test]
     fn a_constrained_minimum_is_found() {
         let disc = |x: &[f64]| (x[0] - 0.5_f64).hypot(x[1] - 0.5) / 0.3 - 1.0;

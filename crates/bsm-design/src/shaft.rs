@@ -61,7 +61,7 @@ impl EndFixity {
     }
 
     /// Returns the ratio `$\kappa$` of the buckling load to the buckling load of the same bar with
-    /// pinned ends (Z2). These are the factors of the Euler cases.
+    /// pinned ends (Z2). The ratios are the factors of the Euler buckling cases.
     pub fn buckling_factor(self) -> f64 {
         match self {
             Self::FixedFree => 0.25,
@@ -115,8 +115,7 @@ impl Shaft {
     /// ```math
     /// \omega_c(F_v) = \omega_c\sqrt{1 + F_v/F_k}
     /// ```
-    ///
-    /// where `$F_k$` is the buckling load of the whole screw with its own end supports. The formula
+    /// Here, `$F_k$` is the buckling load of the whole screw with its own end supports. The formula
     /// is exact if both ends can tilt.
     pub fn critical_speed_under(&self, tension: f64) -> f64 {
         let buckles = self.euler_load(self.support, self.length);
@@ -147,8 +146,8 @@ impl Shaft {
             / length.powi(2)
     }
 
-    /// Returns the shaft with the end supports of the whole screw applied to the section that may
-    /// buckle.
+    /// Returns a copy of the shaft in which the section that may buckle has the end supports of the
+    /// whole screw.
     #[must_use]
     pub fn with_buckling_of_support(&self) -> Self {
         Self { buckling: (self.support, self.buckling.1), ..*self }
@@ -167,9 +166,8 @@ impl Shaft {
     /// ```math
     /// K_s = \frac{EA}{x} \quad\text{or}\quad EA\Big(\frac1x + \frac1{l - x}\Big)
     /// ```
-    ///
-    /// where the first formula applies if one end carries axial load, and the second formula
-    /// applies if both ends do.
+    /// The first formula applies if one end carries axial load, and the second formula applies if
+    /// both ends carry axial load.
     ///
     /// * `position`: distance `$x$` between the nut and the end that carries the load \[m\],
     ///   between 0 and the unsupported length.
@@ -284,8 +282,8 @@ pub fn steady_rise(heat: f64, transfer: f64) -> f64 {
     heat / transfer
 }
 
-/// Returns the time constant of the approach to [`steady_rise`] \[s\]. It is `$mc/H$`, with 460
-/// J/(kg K) for steel.
+/// Returns the time constant \[s\] with which the temperature approaches the steady state of
+/// [`steady_rise`]. It is `$mc/H$`, with 460 J/(kg K) for steel.
 ///
 /// * `mass`: mass of the axis \[kg\].
 /// * `transfer`: heat transferred to the surroundings per kelvin \[W/K\], positive.
@@ -502,8 +500,9 @@ mod tests {
         assert_relative_eq!(screw.growth_left(750e6), 1.0 - 4885.2 / 6605.3, max_relative = 1e-4);
     }
 
-    /// A screw fixed at both ends has four times the minimum stiffness, and this minimum occurs in
-    /// the middle. If the nut is near one end, the bearing at the other end has almost no effect.
+    /// The minimum stiffness of a screw fixed at both ends is four times the minimum stiffness of a
+    /// screw fixed at one end, and it occurs in the middle. If the nut is near one end, the bearing
+    /// at the other end has almost no effect.
     #[test]
     fn screw_fixed_at_both_ends_has_four_times_the_minimum_stiffness() {
         let (one, two) = (
@@ -519,7 +518,7 @@ mod tests {
             assert!(two.stiffness_at(position) > two.least_stiffness());
             assert!(one.stiffness_at(position) > one.least_stiffness());
         }
-        // The other end increases the stiffness by a fraction of x/(l − x).
+        // If the other end is also held, the stiffness is larger by a factor of 1 + x/(l − x).
         let share = two.stiffness_at(1e-6) / one.stiffness_at(1e-6);
         assert_relative_eq!(share, 1.0 + 1e-6 / (1.2 - 1e-6), max_relative = 1e-14);
     }

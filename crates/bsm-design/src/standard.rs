@@ -15,7 +15,7 @@ use crate::{
 const MAX_EFFICIENCY_SOLVES: usize = 64;
 
 impl Requirement {
-    /// Returns the best screw of standard sizes that meets the requirement. The search evaluates
+    /// Returns the best screw with a standard size that meets the requirement. The search evaluates
     /// all combinations of nominal diameter, lead, ball diameter, number of turns, conformity and
     /// contact angle in `lists` that are within `limits`.
     ///
@@ -169,8 +169,8 @@ fn single_violations<'a>(
 }
 
 /// Returns the reason why no standard size meets all limits. The result contains the design with
-/// the smallest violation. For each limit that alone prevents a solution, it also contains the best
-/// value of the limited quantity without this limit.
+/// the smallest violation. For each limit that alone prevents a solution, the result also contains
+/// the best value of the limited quantity without this limit.
 fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
     let least = |mut designs: Vec<(Check, &Design)>| {
         designs

@@ -46,7 +46,8 @@ pub(crate) fn normal_quantile(probability: f64) -> f64 {
         let cumulative = 0.5 * libm::erfc(-z * FRAC_1_SQRT_2);
         (cumulative - probability, Normal { mean: 0.0, deviation: 1.0 }.ln_density(z).exp())
     };
-    // The cumulative probabilities at both ends are 1.1e-19 and 1 (in double precision).
+    // At the ends of the bracket, the cumulative probabilities are 1.1e-19 and 1 (in double
+    // precision).
     let ends = [-9.0, 9.0];
     let bracket = Bracket { start: Some(0.0), ..Bracket::new(ends, ends.map(|z| excess(z).0)) };
     bracket.root(excess).root().expect("the probability is inside the bracket").x

@@ -104,8 +104,7 @@ impl Nut {
     /// ```math
     /// k = \frac{n\,(\sin\beta\cos\alpha)^{5/2}}{(\delta_n + \delta_s)^{3/2}}
     /// ```
-    ///
-    /// where `$\delta$` is the Hertzian approach at unit load. Source: ISO/DP 9783 as in Sobolewski
+    /// Here, `$\delta$` is the Hertzian approach at unit load. Source: ISO/DP 9783 as in Sobolewski
     /// (2002), with exact Hertzian contacts in helical grooves instead of empirical formulas.
     ///
     /// # Errors
@@ -165,8 +164,8 @@ mod tests {
         nut.elasticity(&NutBody::usual(&nut, crate::NutSet::Single)).expect("ellipses")
     }
 
-    /// Equation 5 of Sobolewski (2002) is a secant stiffness. The program used to print the tangent
-    /// stiffness under the name of the secant stiffness.
+    /// Equation 5 of Sobolewski (2002) is a secant stiffness. An earlier version printed the
+    /// tangent stiffness as the secant stiffness.
     #[test]
     fn secant_stiffness_and_tangent_stiffness_have_different_values() {
         let nut = elasticity();
@@ -174,7 +173,7 @@ mod tests {
         assert_relative_eq!(nut.secant(load), load / nut.displacement(load), max_relative = 1e-14);
         let step = 1.0;
         let slope = 2.0 * step / (nut.displacement(load + step) - nut.displacement(load - step));
-        // The relative truncation error of the central difference is (step/load)². Its relative
+        // The relative truncation error of the central difference is (step/load)². The relative
         // rounding error is 1e-16 times 1e4, the ratio of load to step.
         assert_relative_eq!(nut.tangent(load), slope, max_relative = 1e-8);
     }

@@ -8,7 +8,7 @@ use bsm_dyn::hertz::{Hertz, Raceway};
 use crate::Nut;
 
 /// Difference between each land diameter and the pitch circle diameter \[m\] (Sobolewski 2002), and
-/// its upper limit divided by the ball diameter.
+/// upper limit of the ratio of this difference to the ball diameter.
 const LAND_GAP: (f64, f64) = (1.5e-3, 0.5);
 
 /// Groove profile of the nut or of the screw. It consists of two arcs (gothic arch), or of a single
@@ -99,8 +99,8 @@ impl Nut {
         (cos > 0.0 && cos < 1.0).then(|| cos.acos())
     }
 
-    /// Returns the thread in which the balls touch the grooves at the contact angle when the axial
-    /// play is taken up, (G1) to (G7).
+    /// Creates the thread geometry for which the balls touch the grooves at the contact angle when
+    /// the axial play is taken up, (G1) to (G7).
     ///
     /// ```math
     /// k = (R - \tfrac12 D_w)\sin\beta\,\Big(1 - \frac{s}{s_m}\Big)
@@ -240,7 +240,7 @@ mod tests {
     }
 
     /// When the play is taken up, the ball touches both arcs at the contact angle, so the line
-    /// through both arc centers has this angle to the radial direction.
+    /// through both arc centers has the contact angle to the radial direction.
     #[test]
     fn ball_touches_both_arcs_at_the_contact_angle_without_play() {
         let nut = nut();
@@ -260,9 +260,9 @@ mod tests {
         assert_relative_eq!(single.screw.root, single.screw.core, max_relative = 1e-14);
     }
 
-    /// Without an offset of the arc centers, the section is a semicircle. If the land is at the
-    /// root, the section is zero. In between, the section of a gothic arch matches the sum of many
-    /// strips.
+    /// Without an offset of the arc centers, the cross section of the groove is a semicircle. If
+    /// the land is at the root, the cross-sectional area is zero. In between, the area of a gothic
+    /// arch matches the sum of many strips.
     #[test]
     fn groove_section_matches_a_sum_of_strips() {
         let profile = thread(&nut(), 0.0).nut;
@@ -282,9 +282,9 @@ mod tests {
         assert_relative_eq!(strips.sum::<f64>(), profile.section(), max_relative = 1e-5);
     }
 
-    /// The flanks extend well beyond a contact angle of 45 deg for all ball sizes. When the lands
-    /// of all ball sizes differed from the pitch circle diameter by 1.5 mm, the bore of 17 255 nuts
-    /// in the catalog was larger than the circle around the balls.
+    /// The flanks extend well beyond a contact angle of 45 deg for all ball sizes. In an earlier
+    /// version, the lands of all ball sizes differed from the pitch circle diameter by 1.5 mm, so
+    /// the bore of 17 255 nuts in the catalog was larger than the circle around the balls.
     #[test]
     fn flanks_extend_beyond_the_contact_angle_for_all_ball_sizes() {
         for ball in [0.8e-3, 1e-3, 2e-3, 3e-3, 10e-3] {

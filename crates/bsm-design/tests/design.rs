@@ -112,8 +112,8 @@ fn angles_and_conformities() -> impl Iterator<Item = (f64, f64)> {
         .flat_map(move |deg| conformities.clone().map(move |f| (f64::from(deg).to_radians(), f)))
 }
 
-/// Returns the best objective of all screws with a whole number of balls and contact angles in
-/// steps of one degree.
+/// Returns the best objective of all screws that have a whole number of balls and a contact angle
+/// in whole degrees.
 fn exhaustive_search(requirement: &Requirement, lead: f64) -> f64 {
     let mut best = f64::INFINITY;
     for turns in 2..=6 {
@@ -206,8 +206,8 @@ fn infeasible_result_names_blocking_limit_and_best_achievable_value() {
     assert!((alone / best - 1.0).abs() < 0.02, "{alone} {best}");
 }
 
-/// Without a required life, the search used to select a screw with a rating of 6095 N for a load of
-/// 8 kN, although its life under this load is only 7.4 h.
+/// In an earlier version, the search without a required life selected a screw with a rating of 6095
+/// N for a load of 8 kN, although the life of this screw under this load is only 7.4 h.
 #[test]
 fn screw_with_a_rating_below_the_load_is_rejected() {
     let fixed = FixedValues {

@@ -387,8 +387,8 @@ impl<const N: usize> Integral<Jet<N>> {
         all
     }
 
-    /// Adds the derivatives due to an argument: the given slopes multiplied by the derivatives of
-    /// the argument.
+    /// Applies the chain rule for one argument: adds the given slopes multiplied by the derivatives
+    /// of the argument.
     #[inline(always)]
     fn add_slopes(&mut self, slopes: [f64; SUMS], argument: Jet<N>) {
         let [f_t, f_c, m_t, m_n, m_c] = slopes;

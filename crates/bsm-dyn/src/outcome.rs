@@ -107,7 +107,7 @@ named! {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// `$\sin\beta \le f D$`: friction holds any axial load, so the drive cannot turn.
+    /// `$\sin\beta \le f D$`: friction alone can hold any axial load, so the drive cannot turn.
     SelfLocking {
         /// Sine of the contact angle, `$\sin\beta$`.
         sin_contact_angle: f64,
@@ -115,13 +115,13 @@ pub enum Reason {
         friction_term: f64,
     },
     /// The quasi-static force balance requires a normal load that is zero or negative, because
-    /// friction holds any axial load.
+    /// friction alone can hold any axial load.
     FrictionHoldsLoad {
         /// Ratio of the normal load to the axial load per ball.
         load_ratio: f64,
     },
     /// With saturated friction, the slip at contact A (loaded flank of the nut) would have to be
-    /// negative. The ball rolls on the nut instead, which these equations do not cover.
+    /// negative. The ball rolls on the nut instead, which the equations of the model do not cover.
     NutContactWouldRoll {
         /// Slip speed at contact A along the friction direction of this contact, divided by
         /// `$r_b|W|$`; zero or negative.

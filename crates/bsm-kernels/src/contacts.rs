@@ -10,8 +10,8 @@ use crate::inputs::{Lane, LaneInputs};
 use crate::kernel::Sink;
 use crate::units::{Units, modulus};
 
-/// Ball and contacts at each point of a block. Quantities are divided by ball radius, axial load
-/// per ball and relative speed.
+/// Ball and contacts at each point of a block. Quantities are nondimensionalized with the ball
+/// radius, the axial load per ball and the relative speed.
 pub(super) type Contacts<S> = BallContacts<Lane<S>>;
 
 /// A loaded contact at each point of a block, in the same units as [`Contacts`].

@@ -35,8 +35,8 @@ impl Rows<'_, '_> {
     /// Solves all rows for which the model has a direct solution. For `auto`, returns the selected
     /// model of each solved row; for all other models, returns an empty vector.
     pub fn solve(self, arch: Arch, model: ModelChoice, settings: &Settings) -> Vec<RowChoice> {
-        // The solver in a saved HTML page does not use kernels. They would double the size of the
-        // solver, and the maps of a page have only a few points.
+        // The solver in a saved HTML page does not use kernels. Kernels would double the size of
+        // the solver, and the maps of a page have only a few points.
         if cfg!(target_family = "wasm") {
             return Vec::new();
         }

@@ -71,8 +71,8 @@ mod tests {
     use super::*;
     use crate::Helix;
 
-    /// For any rotation of the triad, the screw axis has the same components in the Frenet-Serret
-    /// triad as on the helix.
+    /// The components of the screw axis in the Frenet-Serret triad do not depend on the rotation of
+    /// the triad from which they are converted.
     #[test]
     fn screw_axis_components_match_the_helix() {
         let helix = Helix { radius: 0.02, lead_angle: 0.31 };

@@ -53,7 +53,7 @@ pub struct Bracket {
     pub start: Option<f64>,
     /// Relative tolerance of the root. The search ends when the width of the bracket or a Newton
     /// step is at most `x_tol` times the root. If the tolerance is zero, the search ends when there
-    /// is no double between the ends of the bracket.
+    /// is no floating-point number between the ends of the bracket.
     pub x_tol: f64,
     /// Absolute tolerance of the function value. The search ends when the absolute function value
     /// is at most `f_tol`.
@@ -86,7 +86,7 @@ pub struct Root {
     /// Location of the root.
     pub x: f64,
     /// Function value at the root. If the search ended with a Newton step shorter than the
-    /// tolerance, this is the value before the step.
+    /// tolerance, the field contains the value before the step.
     pub value: f64,
     /// Ends of the final bracket, in the same order as the initial ends.
     pub ends: [f64; 2],
@@ -107,8 +107,8 @@ impl RootResult {
 }
 
 impl Bracket {
-    /// Maximum number of function evaluations. It allows five evaluations for each of the 64
-    /// bisections after which a bracket contains no more doubles (N13).
+    /// Maximum number of function evaluations. It allows five evaluations for each of 64
+    /// bisections. After 64 bisections, no bracket contains further floating-point numbers (N13).
     pub const MAX_EVALUATIONS: usize = 5 * 64;
 
     /// Creates a bracket without a starting point and with zero tolerances.
@@ -117,12 +117,12 @@ impl Bracket {
     }
 
     /// Evaluates a function at successive points and returns the first pair of neighboring points
-    /// whose values do not have the same sign. Returns `None` if the sign never changes.
+    /// whose values have different signs. Returns `None` if the sign never changes.
     ///
     /// Zero and NaN count as values without a sign, so they end the search.
     ///
     /// * `begin`: first point and its function value.
-    /// * `places`: the points that follow, in order of evaluation.
+    /// * `places`: points after `begin`, in the order in which the function is evaluated.
     ///
     /// # Errors
     ///
@@ -148,8 +148,7 @@ impl Bracket {
     /// return an error.
     ///
     /// # Errors
-    ///
-    /// Returns the first error of `function`, which ends the search.
+    /// Returns the first error that `function` returns. This error ends the search.
     pub fn try_root<E>(
         &self,
         mut function: impl FnMut(f64) -> Result<f64, E>,
@@ -168,10 +167,10 @@ impl Bracket {
     ///
     /// If `function` returns derivatives, the search uses Newton steps. Otherwise it uses inverse
     /// quadratic interpolation if the last three values satisfy (N12).
-    ///
     /// Source: Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of a
-    /// nonlinear function without using derivatives*, Adv. Eng. Softw. 28 (1997). The guards based
-    /// on length and on the number of doubles are our own.
+    /// nonlinear function without using derivatives*, Adv. Eng. Softw. 28 (1997). The safeguards
+    /// based on the bracket length and on the number of floating-point values inside the bracket
+    /// are our own.
     pub fn root<S: Into<FunctionValue>>(&self, mut function: impl FnMut(f64) -> S) -> RootResult {
         let (mut ends, mut values) = (self.ends, self.values);
         for (x, value) in ends.into_iter().zip(values) {
@@ -191,8 +190,9 @@ impl Bracket {
         if (values[0] > 0.0) == (values[1] > 0.0) {
             return RootResult::NoSignChange { values };
         }
-        // These variables are the index of the bracket end that was moved last, the point that this
-        // end replaced, and the derivative at the new position of the end.
+        // The variable `newest` is the index of the bracket end that was moved last, `old` is the
+        // point that this end replaced, and `slope` is the derivative at the new position of the
+        // end.
         let (mut newest, mut old, mut slope) = (0, None::<(f64, f64)>, None::<f64>);
         let mut start = self.start;
         let (mut length, mut doubles) = (StallDetector::new(2), StallDetector::new(3));
@@ -295,13 +295,14 @@ impl StallDetector {
     }
 }
 
-/// Returns the index of a double in the ordered sequence of all doubles.
+/// Returns the index of a floating-point number in the ordered sequence of all `f64` values.
 fn ordinal(x: f64) -> i64 {
     let bits = x.to_bits().cast_signed();
     if bits < 0 { i64::MIN - bits } else { bits }
 }
 
-/// Returns the double halfway between two doubles, measured by their index.
+/// Returns the `f64` value halfway between two `f64` values, measured by their indices in the
+/// sequence of all `f64` values.
 fn between(a: f64, b: f64) -> f64 {
     let middle = i64::midpoint(ordinal(a), ordinal(b));
     f64::from_bits((if middle < 0 { i64::MIN - middle } else { middle }).cast_unsigned())

@@ -318,9 +318,8 @@ where
 
     /// Adds the tangent and the event functions to the point found by the last correction. Returns
     /// `None` if the tangent does not exist or an event function is NaN.
-    ///
     /// The tangent is calculated from the last Jacobian of the correction, which was evaluated at
-    /// this point or at a nearby iterate.
+    /// the returned point or at a nearby iterate.
     fn node(&mut self, z: &[f64; M], orientation: f64) -> Option<Node<M, K>> {
         let sizes = self.equations.sizes(z);
         let direction = self.work.direction()?;

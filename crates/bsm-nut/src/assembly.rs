@@ -28,7 +28,7 @@ struct BallSite {
     /// Index of the node of the elastic bodies at the position of the ball; `None` if both bodies
     /// are rigid.
     node: Option<usize>,
-    /// Index of the radial expansion of the nut around the ball in the vector of unknowns; `None`
+    /// Index, in the vector of unknowns, of the radial expansion of the nut around the ball; `None`
     /// if the nut is rigid.
     ring: Option<usize>,
 }

@@ -103,7 +103,7 @@ pub enum NutError {
     Contact(Reason),
     /// No ball can carry the load, so the nut moves without limit.
     #[error(
-        "no ball can carry the load, because the nut has moved by {moved:e} m out of its grooves"
+        "no ball can carry the load, because the nut has moved by {moved:e} m and the balls are out of their grooves"
     )]
     NothingCarries {
         /// Displacement of the nut at which the search ended \[m\].

@@ -31,8 +31,8 @@ pub struct NutFriction {
     /// Number of balls that are loaded on both flanks at rest. For these balls, friction is
     /// integrated over all contact ellipses, whichever model is used for the other balls.
     pub balls_on_both_flanks: usize,
-    /// Third contacts of balls that friction presses onto a far flank. At rest, these balls are
-    /// loaded on one diagonal only.
+    /// Third contacts of balls that carry load on only one diagonal at rest and that friction
+    /// presses onto a far flank.
     pub third_contacts: ThirdContacts,
     /// Mean friction coefficient of the lubricated balls (AC11); `None` without a lubricant.
     pub mean_friction: Option<f64>,
@@ -73,8 +73,8 @@ pub struct FreeMotion {
     pub ball: Option<BallState>,
 }
 
-/// Model of a ball, together with the choices that the model made for this ball. The friction is
-/// discontinuous where a choice changes.
+/// Model of a ball, with the choices that were made for this ball. The friction is discontinuous
+/// where a choice changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallModel {
     /// Model that was selected for the ball.
@@ -86,8 +86,8 @@ pub struct BallModel {
 }
 
 impl BallModel {
-    /// Returns the model of a solution and the choices of this model, or `None` if there is no
-    /// solution.
+    /// Returns the model of a solution, with the choices that were made for it, or `None` if there
+    /// is no solution.
     fn of(solution: &Solution) -> Option<Self> {
         let solved = solution.steady_state()?;
         let accuracy = solution.choice.and_then(|choice| match choice.basis {
@@ -105,7 +105,7 @@ struct FreeBall {
     /// Friction of the ball as predicted by its model.
     friction: FrictionSum,
     /// Friction torque of the contacts divided by the friction torque in gross sliding on the screw
-    /// (U33). It is zero for models that balance the friction forces.
+    /// (U33). The ratio is zero for models that balance the friction forces.
     sliding_share: f64,
     /// Motion of the ball; `None` if the model does not calculate the motion.
     motion: Option<FreeMotion>,
@@ -146,7 +146,7 @@ pub struct FrictionSum {
 }
 
 impl FrictionSum {
-    /// Adds the friction `other`, multiplied by `part`, to this friction.
+    /// Adds the friction `other`, multiplied by `part`, to `self`.
     fn add(&mut self, other: &Self, part: f64) {
         self.torque += part * other.torque;
         self.contacts = [0, 1].map(|side| self.contacts[side] + part * other.contacts[side]);
@@ -155,7 +155,8 @@ impl FrictionSum {
         self.drag += part * other.drag;
     }
 
-    /// Returns this friction, limited to the friction in gross sliding on the screw (U33).
+    /// Returns a copy of this friction, limited to the friction in gross sliding on the screw
+    /// (U33).
     ///
     /// * `sliding_share`: friction torque of the contacts divided by the friction torque in gross
     ///   sliding on the screw.
@@ -199,8 +200,8 @@ impl FlankFriction {
 /// are known much less accurately.
 const ARCH_ACCURACY: f64 = 1e-6;
 
-/// Ratio of a ball load to the largest ball load below which the ball counts as idle, so that it
-/// does not influence the speed of its ball train.
+/// Minimum ratio of a ball load to the largest ball load. A ball with a smaller load counts as idle
+/// and does not influence the speed of its ball train.
 const IDLE_LOAD: f64 = 1e-3;
 
 /// Permitted relative errors of the interpolated precession rates and rotations of balls without
@@ -685,8 +686,8 @@ impl BallNut {
     ///
     /// * `between_loads`: permitted relative error of the friction that is interpolated between
     ///   loads.
-    /// * `held`: model that `solve` must use for each ball, by ball index. A ball without an entry
-    ///   chooses its own model.
+    /// * `held`: model that `solve` must use for each ball, by ball index. For a ball without an
+    ///   entry, the model is chosen automatically.
     ///
     /// All other arguments are the same as for [`friction`](Self::friction).
     pub fn friction_sum(

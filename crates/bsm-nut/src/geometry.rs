@@ -78,7 +78,8 @@ impl Errors {
     ///
     /// * `axial_fraction`: axial component of a unit normal load.
     fn grow_into_play(&mut self, growth: f64, axial_fraction: f64) {
-        // If the play is not given, it is so large that the growth of the balls cannot close it.
+        // If the play is not given, it is assumed to be too large to be closed by the growth of the
+        // balls.
         let Some(play) = self.axial_play else { return };
         // s_a ← s_a − 4 Δr/(sinβ₀ cosα)                                   (U35)
         let left = play - 4.0 * growth / axial_fraction;

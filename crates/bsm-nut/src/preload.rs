@@ -69,9 +69,8 @@ impl BallNut {
     ///   bodies are pushed apart.
     ///
     /// # Errors
-    ///
-    /// Returns [`NutError::NoPreload`] if the balls cannot produce this force, or an error of
-    /// [`solve`](Self::solve).
+    /// Returns [`NutError::NoPreload`] if the balls cannot produce the requested preload, or any
+    /// error that [`solve`](Self::solve) returns.
     pub fn preload_displacement(
         &self,
         by: PreloadKind,
@@ -100,9 +99,8 @@ impl BallNut {
     /// of one flank loses its load (U20). The limit load has the same sign as `way`.
     ///
     /// # Errors
-    ///
-    /// Returns an error of [`solve`](Self::solve), or [`NutError::NoPreload`] if the nut has no
-    /// preload.
+    /// Returns [`NutError::NoPreload`] if the nut has no preload, or any error that
+    /// [`solve`](Self::solve) returns.
     pub fn limit_load(
         &self,
         by: PreloadKind,

@@ -165,7 +165,7 @@ impl Assembly<'_> {
 }
 
 impl Equilibrium {
-    /// Returns this equilibrium, or an error if a ball has left its flank.
+    /// Returns the equilibrium after checking that no ball has left its flank.
     fn in_grooves(self, nut: &BallNut) -> Result<Self, NutError> {
         /// Permitted rounding error of the contact angle of a ball at the end of its flank \[rad\].
         const ANGLE_TOLERANCE: f64 = 1e-6;

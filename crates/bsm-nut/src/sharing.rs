@@ -25,8 +25,8 @@ impl BallNut {
     /// This state is exact for rigid bodies without manufacturing errors on stiff guides.
     ///
     /// # Errors
-    ///
-    /// Returns [`NutError::Contact`], [`NutError::NoBalls`] or [`NutError::NothingCarries`].
+    /// Returns [`NutError::Contact`] if the contacts are not Hertzian, [`NutError::NoBalls`] if the
+    /// nut has no balls, or [`NutError::NothingCarries`] if no ball can carry the load.
     pub fn equal(&self, axial: f64) -> Result<EqualShare, NutError> {
         if self.balls() == 0 {
             return Err(NutError::NoBalls);
@@ -34,8 +34,8 @@ impl BallNut {
         self.equal_of(&self.ball_in_grooves().map_err(NutError::Contact)?.series, axial)
     }
 
-    /// Returns the state of the nut with equal load sharing, using contact data of the ball that
-    /// were calculated before.
+    /// Returns the state of the nut with equal load sharing, calculated from given contact data of
+    /// the ball.
     pub(crate) fn equal_of(&self, ball: &StaticBall, axial: f64) -> Result<EqualShare, NutError> {
         let balls = count(self.balls());
         let alpha = self.helix.lead_angle;

@@ -1,4 +1,5 @@
-//! Warm steady state of a nut: frictional heat, its effect on the preload, and the fold.
+//! Warm steady state of a nut: frictional heat, its effect on the preload, and the fold (the
+//! highest speed with a steady state).
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I5) to (I22).
 //!

@@ -489,11 +489,12 @@ const GROWTH: f64 = 3.0;
 /// Maximum number of steps in the bracketing search for the precession rate.
 const STEPS: usize = 12;
 /// Minimum ratio of the friction moment from the neighboring balls to the moment that stops a ball
-/// (O6), for which a ball without a steady motion counts as blocked. The ratio is below 1 because
-/// the friction at the raceways must also support the difference between the push forces.
+/// (O6). A ball without a steady motion counts as blocked only if its ratio is at least this large.
+/// The limit is below 1 because the friction at the raceways must also support the difference
+/// between the push forces.
 const MIN_STOPPED_SHARE: f64 = 0.9;
-/// Ratio of the ball gap to the length that a touching ball occupies, below which the ball gap is
-/// smaller than the rounding errors of the precession rates.
+/// Minimum ratio of the ball gap to the length that a touching ball occupies. Below this ratio, the
+/// ball gap is smaller than the rounding errors of the precession rates.
 const FULL_TRAIN_TOLERANCE: f64 = 1e-12;
 /// Permitted error of the ball gap, divided by the ball gap.
 const GAP_TOLERANCE: f64 = 1e-6;
@@ -738,8 +739,8 @@ impl Flow<'_> {
         let mut surplus = |rate: f64| match self.pass(rate, &mut pass, work) {
             Ok(value) => {
                 // Push forces increase with the precession rate of the ball train. If the ball gap
-                // at this rate is larger than the given gap, the rate of the solution is higher,
-                // and so are its push forces.
+                // at the current rate is larger than the given gap, the solution has a higher rate
+                // and larger push forces.
                 if value.value > 0.0 {
                     least_push = pass
                         .states

@@ -202,8 +202,8 @@ impl Figure {
     ///
     /// * `color_first`: true if the first part of each label determines the color.
     fn parts(&self, color_first: bool) -> Option<Parts<'_>> {
-        /// Maximum number of curves for which a single legend list is easier to read than separate
-        /// lists of strokes and colors.
+        /// Maximum number of curves that are listed in a single legend list. With more curves,
+        /// separate lists of strokes and colors are easier to read.
         const FEW: usize = 4;
         let (mut strokes, mut colors) = (Vec::new(), Vec::new());
         for curve in &self.curves {
@@ -501,7 +501,8 @@ mod tests {
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");
         // Regression test: the SVG text of a figure depended on figures that were drawn before.
         assert_eq!(figure.svg().expect("a picture"), svg);
-        // On a page, each point except the gap must show its values; in an SVG file, no point does.
+        // On a page, every point must show its values, except for the missing point at the gap; in
+        // an SVG file, no point may show its values.
         let titles = |svg: &str| svg.matches("<title>").count();
         assert_eq!((titles(&svg), titles(&figure.inline_svg().expect("a picture"))), (0, 4));
         assert!(

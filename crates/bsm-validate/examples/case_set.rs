@@ -10,10 +10,9 @@
 //! 0.15, and the speed is 10 to 30 000 rpm in both directions, with screw or nut drive. The normal
 //! load divided by the square of the ball diameter is 0.01 to 60 N/mm². The inertia ratio m r_m
 //! W^2/F_a is at most 3.
-//!
-//! If a number and, optionally, a seed are given, the program generates this number of points in
-//! any slip regime. The screws are as they are used in practice: largest pressure at the nut 0.2 to
-//! 4 GPa, lead angle 1 to 40 deg, speed 10 to 10 000 rpm, and inertia ratio at most 1.
+//! Given a number and, optionally, a seed, the program generates that many points, in any slip
+//! regime. The screws are typical of practice: the maximum pressure at the nut is 0.2 to 4 GPa, the
+//! lead angle is 1 to 40 deg, the speed is 10 to 10 000 rpm, and the inertia ratio is at most 1.
 //!
 //!     cargo run --release -p bsm-validate --features tools --example case_set -- 3000 > screws.csv
 //!     bsm tradeoff --points screws.csv
@@ -106,7 +105,7 @@ fn traction(case: &Case) -> Result<Traction, CaseError> {
     }
 }
 
-/// * `used`: true for screws as they are used in practice, under any load.
+/// * `used`: true for screws that are typical of practice, under any load.
 fn draw(rng: &mut impl Rng, used: bool) -> [f64; 11] {
     let pitch = rng.random_range(8.0..100.0);
     let ball = pitch * rng.random_range(0.07..0.2);

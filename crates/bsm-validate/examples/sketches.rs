@@ -159,8 +159,8 @@ fn contacts() -> Drawing {
     let at = |v: &Vector3<f64>| center + Point::new(v.z, v.y);
     let frame = BallFrame::turned(0.1, 0.0);
     let site = |site| Contact::new(site, angle, &frame);
-    // Each groove consists of arcs through the contact points. The center of an arc is beyond the
-    // ball center, seen from the contact.
+    // Each groove consists of arcs through the contact points. As seen from the contact, the center
+    // of an arc is beyond the ball center.
     for (sites, name, outside) in [
         ([Site::Nut, Site::NutUnloaded], "nut", 20.0),
         ([Site::Screw, Site::Screw], "screw", 460.0),
@@ -260,7 +260,7 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     let mut drawing = Drawing::new(
         640.0,
         300.0,
-        "Contact ellipse with the slip over it and the lines of pure rolling",
+        "Contact ellipse with slip velocities and the lines of pure rolling",
     );
     let middle = Point::new(320.0, 140.0);
     // The drawing stretches the ellipse along the groove.
@@ -409,7 +409,7 @@ fn third_contact() -> Drawing {
     let mut drawing = Drawing::new(
         760.0,
         380.0,
-        "A ball in gothic arches: without friction on two contacts, with friction on a third one",
+        "A ball in gothic arches: two contacts without friction, and a third contact with friction",
     );
     let (radius, offset) = (95.0, 42.0);
     // The angles give the directions from the ball center to the contacts. In the drawing, n points

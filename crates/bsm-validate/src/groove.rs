@@ -89,8 +89,8 @@ impl<'a> TestSet<'a> {
             rows: file.rows.iter().map(|row| (row, Prior::USUAL)).collect(),
             limits: (!is_fit).then_some(limits),
         };
-        // The rows are sorted by series and size, so halves that consist of every second row both
-        // contain all series and sizes.
+        // The rows are sorted by series and size, so each half, which consists of every second row,
+        // contains all series and sizes.
         let halves = [0, 1].map(|half| {
             let is_in = move |place: &usize| place % 2 == half;
             let all = || file.rows.iter().enumerate();
@@ -378,7 +378,7 @@ struct BandQuantity {
     reference: fn(&Bands) -> [f64; 3],
     /// Relative tolerance of the limits of the band, and the reason for this tolerance.
     tolerance: (f64, &'static str),
-    /// Largest permitted median of the ratio of the upper to the lower limit of the band.
+    /// Largest permitted median ratio of the upper to the lower limit of the band.
     widest: f64,
 }
 
@@ -408,7 +408,7 @@ const BAND_QUANTITIES: [BandQuantity; 3] = [
         reference: |bands| bands.screw_max_pressure_MPa,
         tolerance: (
             0.01,
-            "1 %: in the reference, contact angles increase with the load, which reduces its pressures by up to 1 %",
+            "1 %: in the reference, contact angles increase with the load, which reduces the contact pressures by up to 1 %",
         ),
         widest: 1.35,
     },

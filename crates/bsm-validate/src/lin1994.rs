@@ -63,7 +63,7 @@ impl Claims {
 
 /// Finds the load per ball and the speed at which the efficiency error of the closed-form solution
 /// reaches a given value. For the load, this value is the published error bound for all lead angles
-/// or for all contact angles. For the speed, it is one percentage point.
+/// or for all contact angles. For the speed, the value is one percentage point.
 fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let (suffix, equation) = match direction {
         Direction::RotaryToLinear => ("rotary-to-linear", "Eq 14"),

@@ -346,8 +346,9 @@ fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
 
 /// Checks the load on the first ball of a nut with stiff bars, divided by the mean ball load. The
 /// first ball is at the end at which the load is highest. For a continuous nut, this ratio is `$\mu
-/// l\coth\mu l$` if both anchors are at the same end. If the anchors are at opposite ends, it is
-/// the mean of the ratios for both anchors at the near end and for both anchors at the far end.
+/// l\coth\mu l$` if both anchors are at the same end. If the anchors are at opposite ends, the
+/// ratio is the mean of two ratios: the ratio with both anchors at the near end, and the ratio with
+/// both anchors at the far end.
 fn stiff_bars() -> Vec<Check> {
     let (turns, balls) = (4.0, 4000_u16);
     let nut =

@@ -46,9 +46,8 @@ impl Points {
     /// their ranges.
     ///
     /// # Errors
-    ///
-    /// Returns the same errors as [`Points::read`]. None of them occurs for the table in the
-    /// repository.
+    /// Returns the same errors as [`Points::read`]. None of these errors occurs for the table in
+    /// the repository.
     pub fn committed() -> Result<Self, ValidateError> {
         Self::read(&mut CsvSource::new(CASES.as_bytes(), &[], &TableFormat::default())?)
     }
@@ -98,7 +97,7 @@ fn reference_settings() -> Settings {
     Settings { accuracy: FINE, creep: 1e-5, ..Model::Traction.into() }
 }
 
-/// Returns the settings of the reference solution in the form of options of `bsm solve`.
+/// Returns the settings of the reference solution as command-line options of `bsm solve`.
 pub fn reference() -> String {
     let Settings { model, accuracy, creep, .. } = reference_settings();
     format!("--model {} --accuracy {accuracy:e} --creep {creep:e}", model.name())
@@ -135,7 +134,7 @@ pub struct Count {
 /// Results of a measurement of speed and accuracy.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct Tradeoff {
-    /// Settings of the reference solution, in the form of options of `bsm solve`.
+    /// Settings of the reference solution, as command-line options of `bsm solve`.
     pub reference: String,
     /// Number of points in each group that contains points. The first group contains all points.
     pub points: Vec<Count>,

@@ -50,9 +50,9 @@ enum Claim {
 /// Behavior of a calculated curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shape {
-    /// The curve increases and never decreases.
+    /// The curve increases overall and never decreases; flat sections are allowed.
     Rises,
-    /// The curve decreases and never increases.
+    /// The curve decreases overall and never increases; flat sections are allowed.
     Falls,
     /// The curve is constant.
     Constant,

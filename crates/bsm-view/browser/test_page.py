@@ -406,7 +406,8 @@ def test_axis_panel_shows_all_rules_and_saves_the_axis_sheet(serve, sheet, tmp_p
     # The screw rotates, because its speed follows from the feed rate.
     assert re.search(r"Motion slowed [\d.]+ times", page.inner_text("#space"))
     # The picture must be in 3D, and not the drawing for browsers without WebGL.
-    # Regression test: the page showed this drawing because a name of the 3D library was misspelled.
+    # Regression test: the page showed the 2D drawing because a name of the 3D library was
+    # misspelled.
     assert page.locator("#space canvas").count() == 1
     assert sheet.errors == []
 
@@ -489,7 +490,7 @@ def test_balls_that_touch_are_marked_in_the_diagrams_of_the_nut(serve, sheet, tm
     assert figure.locator(".moving").count() == sum(pushed) > 40
     # Touching balls are marked in the diagrams of speed, force and advance.
     assert figure.locator(".touch").count() == 3 * sum(pushed)
-    # The style sheet of pictures must not replace this color by the background color.
+    # The style sheet of pictures must not replace the color of these marks by the background color.
     assert figure.locator(".touch").first.evaluate("(mark) => getComputedStyle(mark).fill") == "rgb(138, 97, 0)"
     assert figure.locator(".push").count() == sum(ball["front_push_N"] > 0 for ball in balls)
     # The marks of two free balls determine the scale of the speed axis.

@@ -82,8 +82,7 @@ impl Request {
 /// * `stop`: flag that stops the calculation of a map when it becomes true.
 ///
 /// # Errors
-///
-/// [`Refusal`] if the request is malformed or has no answer.
+/// Returns [`Refusal`] if the request is malformed or has no answer.
 pub fn answer(
     route: &str,
     body: &[u8],

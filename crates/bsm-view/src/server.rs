@@ -27,8 +27,8 @@ use crate::page;
 use crate::running::{RequestId, Running};
 
 /// Time limits for calculating an answer. The second limit applies only to warm states as a
-/// function of the speed. It can be longer, because no other panel of the page waits for these
-/// states.
+/// function of the speed. The second limit can be longer, because no other panel of the page waits
+/// for these states.
 const TIME_LIMITS: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
 /// Maximum number of running calculations, including stopped calculations that have not ended yet.

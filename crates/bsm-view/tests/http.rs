@@ -99,7 +99,8 @@ fn wrong_tokens_hosts_and_origins_are_refused() {
         (format!("POST /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {}", &token[..31]), 403),
         (format!("GET / HTTP/1.1\r\n{host}"), 403),
         (format!("GET /?token=wrong HTTP/1.1\r\n{host}"), 403),
-        // In a DNS rebinding attack, the host name of another site resolves to this address.
+        // In a DNS rebinding attack, the host name of another site resolves to the address of this
+        // server.
         (format!("POST /solve HTTP/1.1\r\nHost: evil.example:{port}\r\nX-Bsm-Token: {token}"), 403),
         (format!("POST /solve HTTP/1.1\r\nX-Bsm-Token: {token}\r\nHost: 127.0.0.1:1"), 403),
         (

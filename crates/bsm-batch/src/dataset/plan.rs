@@ -227,7 +227,7 @@ impl Plan {
         let task = self.task()?;
         let [rows, parts] = [self.rows(), self.parts()].map(approximate);
         let inputs = self.written.points.inputs();
-        #[expect(clippy::cast_precision_loss, reason = "there are about fifty columns")]
+        #[expect(clippy::cast_precision_loss, reason = "the table has only about fifty columns")]
         let columns = (inputs.len() + task.outputs.len()) as f64;
         let bytes = |output: &&Output| match output.json_type {
             "boolean" => 0.125,
@@ -332,7 +332,7 @@ impl Task {
 }
 
 /// Converts a count to a floating-point number, which is sufficiently accurate for an estimate.
-#[expect(clippy::cast_precision_loss, reason = "an estimate needs no exact counts")]
+#[expect(clippy::cast_precision_loss, reason = "an estimate does not require exact counts")]
 fn approximate(count: u64) -> f64 {
     count as f64
 }

@@ -137,7 +137,7 @@ fn name_hash_and_length(
     let found = path.metadata().map_err(unreadable)?;
     if !found.is_file() {
         return Err(DatasetError::Refused(format!(
-            "{} is {}, but a folder of parts needs points from a file, because the points are read twice",
+            "{} is {}, but the points for a folder of parts must come from a file, because the points are read twice",
             path.display(),
             describe_entry(&found)
         )));

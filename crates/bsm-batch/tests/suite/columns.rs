@@ -141,7 +141,7 @@ fn motion_columns_use_one_model_for_all_rows() {
         let steps: Vec<f64> = column.windows(2).map(|two| (two[1] / two[0]).ln().abs()).collect();
         // The largest changes occur in the first step, in which the load doubles. The jamming
         // margin grows slightly faster than the load, so it increases by a little more than a
-        // factor of 2. The limit is a factor of e.
+        // factor of 2. The test permits changes by up to a factor of e.
         assert!(steps.iter().all(|step| *step < 1.0), "{column:?}");
     }
 }

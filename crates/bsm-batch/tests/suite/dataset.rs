@@ -110,7 +110,7 @@ fn bytes_of_a_part_file_depend_only_on_the_plan() {
         assert!(files(other.path()) == expected, "{threads} threads");
     }
 
-    // The same parts are solved in another order. Parts that exist already must be found and
+    // The same parts are solved in another order. Parts that already exist must be found and
     // counted.
     let other = temporary_folder();
     let workers = workers(2);

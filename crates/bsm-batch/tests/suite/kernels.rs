@@ -216,7 +216,7 @@ fn difficult_points_have_the_same_root_in_tables_and_single_solves() {
         let chunk = Chunk::of_rows(&columns, [row]);
         let answers =
             Task::new(Case::default(), settings, outputs.to_vec()).solve(&chunk, &columns);
-        // Kernels agree with the scalar models to within 1e-10 of the value.
+        // Kernels agree with the scalar models to within a relative difference of 1e-10.
         let in_table = answers.columns[0][0];
         assert!((in_table - alone).abs() <= 1e-10 * alone.abs(), "{case:?}: {in_table} {alone}");
     }

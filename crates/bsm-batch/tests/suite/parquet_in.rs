@@ -247,8 +247,8 @@ fn integer_field(value: u32) -> Vec<u8> {
 /// Returns the header of a data page with plain numbers. The header specifies the given
 /// uncompressed and compressed lengths.
 fn data_page(length: u32, compressed: u32) -> Vec<u8> {
-    // The header contains page type 0 and a structure, which specifies 3 values, plain encoding,
-    // and run-length encoded levels.
+    // The header contains page type 0 and a structure that specifies 3 values, plain encoding, and
+    // run-length encoded levels.
     let head =
         [integer_field(0), integer_field(length), integer_field(compressed), vec![0x2c]].concat();
     let values =
@@ -313,7 +313,7 @@ fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
         let table = file_of_pages(codec, "lead_mm", bomb);
         assert!(table.len() < 2000);
         let mut said = String::new();
-        // Reading the footer and formatting the message take a few kB.
+        // Reading the footer and formatting the message allocate a few kB of memory.
         let memory = measure(|| said = error_text(read(table, &[]))).bytes_max;
         assert!(memory < 1 << 20, "{codec}: {memory} bytes");
         assert!(said.starts_with("not a Parquet table: a page header specifies "), "{said}");

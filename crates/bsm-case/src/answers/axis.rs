@@ -63,7 +63,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         equivalent_load_N ["N" "F_m"] Scalar(|w| Some(w.life()?.mean_load)),
             "equivalent load of the more heavily loaded flank; for a pair, of the more heavily loaded nut";
         equivalent_load_of_other_flank_N ["N" "F_m2"] Scalar(|w| Some(w.life()?.other_mean_load).filter(|load| *load > 0.0)),
-            "equivalent load of the other flank or nut, which reduces the life; empty if it carries no load";
+            "equivalent load of the less heavily loaded flank or nut, which also reduces the life; empty if this flank or nut carries no load";
         equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed: mean speed over the cycle, including standstill";
         cycle_time_s ["s"] Scalar(|w| w.cycle_time()), "cycle time";
         revolutions_per_cycle [""] Scalar(|w| w.revolutions_per_cycle()), "revolutions of the screw per cycle, in both directions";
@@ -85,7 +85,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         buckling_load_N ["N" "F_k"] Scalar(|w| Some(w.shaft()?.buckling_load())), "buckling load";
         buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling safety factor";
         buckling_load_of_support_N ["N"] Scalar(|w| Some(w.shaft()?.with_buckling_of_support().buckling_load())),
-            "buckling load with the end conditions of the input support";
+            "buckling load for the end conditions that the input support specifies";
         buckling_safety_of_support [""] Scalar(|w| w.axis().buckling_safety_of_support()), "buckling safety factor with the end conditions of the input support";
         yield_load_N ["N"] Scalar(|w| w.yield_load()), "permissible axial load at a core stress of 147 N/mm2";
         largest_speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
@@ -125,7 +125,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         }),
             "time constant of the screw temperature: heat capacity of the screw / (mean heat flow / steady-state temperature rise)";
         screw_growth_um ["um"] Scalar(|w| w.growth()),
-            "thermal growth of the screw that the bearings permit; for a warm state, the free growth";
+            "thermal elongation of the screw that the bearings permit; for a warm state, the unconstrained elongation";
         free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "free thermal growth of the screw, not constrained by bearings";
         travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
             "e_p (ISO 3408-3 or JIS B 1192), permitted mean deviation of the travel over the useful travel";
@@ -192,10 +192,10 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         peak_regenerated_power_W ["W"] Scalar(|w| w.peak(AxisState::regenerated_power)) needs FRICTION, "largest power that is returned to the drive";
         mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings over the cycle; a note names the sources that are not given";
         preload_torque_measured_Nm ["N m" "T_p0"] Scalar(|w| Some(w.preload.as_ref()?.by_rule)),
-            "friction torque that a measurement of the preload should give; manufacturers' rule at 100 rpm, with oil of ISO VG 68 and without wipers";
-        preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload; plus or minus, according to accuracy_grade";
-        preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "smallest permitted friction torque of the preload";
-        preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
+            "friction torque to be expected when the preload is verified by measuring the torque; manufacturers' rule at 100 rpm, with ISO VG 68 oil and without wipers";
+        preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque due to preload; plus or minus, according to accuracy_grade";
+        preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "smallest permitted friction torque due to preload";
+        preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque due to preload";
         screw_torque_Nm ["N m" "T"] Scalar(|w| w.torque_at_largest_load()) needs FRICTION,
             "screw torque; on a sheet, the largest torque at the largest load during motion, positive if it acts against the load; includes preload, seals and support bearings";
         screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
@@ -245,9 +245,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             Some(w.inertia_at_motor()? / motor?)
         }), "load-to-motor inertia ratio";
         least_acceleration_time_s ["s"] Scalar(|w| w.least_ramp(w.case.motor_peak_torque_Nm?)) needs FRICTION,
-            "shortest time to the largest speed with motor_peak_torque_Nm";
+            "shortest time to accelerate to the largest speed with motor_peak_torque_Nm";
         least_rated_acceleration_time_s ["s"] Scalar(|w| Some(1.5 * w.least_ramp(w.case.motor_rated_torque_Nm?)?)) needs FRICTION,
-            "1.5 times the shortest time to the largest speed with motor_rated_torque_Nm (HIWIN)";
+            "1.5 times the shortest time to accelerate to the largest speed with motor_rated_torque_Nm (HIWIN)";
         shortest_ramp_s ["s"] Scalar(|w| w.shortest_ramp()), "time to the largest speed at the largest acceleration of the cycle";
     }
 }
@@ -473,7 +473,9 @@ const NOT_MODELED: [&str; 4] = [
 /// * `heating`: steady temperatures, if they are known.
 fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<String> {
     let temperatures = match heating {
-        _ if case.requests_warm_state() => "temperatures over time, because the state is steady",
+        _ if case.requests_warm_state() => {
+            "changes of the temperatures over time, because only the steady state is calculated"
+        }
         Some(_) => {
             "effect of the steady-state temperature rise on preload and torque; set warm_state to true to include it"
         }
@@ -482,21 +484,21 @@ fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<St
         }
     };
     let lubricant = (contacts && !case.given().is_lubricated()).then_some(
-        "lubricant, because its inputs are not given; the contacts are dry and have a constant friction coefficient",
+        "effects of a lubricant, because its inputs are not given; the contacts are assumed to be dry with a constant friction coefficient",
     );
     let preload = case.is_preloaded().then_some(
-        "exact friction torque of the preload; it is calculated with the manufacturers' rule, which is accurate to about 50 %",
+        "exact friction torque due to preload; this torque is calculated with the manufacturers' rule, which is accurate to about 50 %",
     );
     let pushes = match (case.ball_gap_mm, case.is_preloaded()) {
         (None, _) => {
-            "ball returns and ball-to-ball contact, which only the manufacturers' rule for the preload includes"
+            "ball returns and ball-to-ball contact, which only the manufacturers' rule for the preload torque includes"
         }
         // The torque of a preloaded nut is calculated from the friction of all its balls.
         (Some(_), true) => {
-            "ball returns (except for return_push_N and its effects), which only the manufacturers' rule for the preload includes; the torque includes ball-to-ball contact according to ball_gap_mm"
+            "ball returns (except for return_push_N and its effects), which only the manufacturers' rule for the preload torque includes; the torque includes ball-to-ball contact according to ball_gap_mm"
         }
         (Some(_), false) => {
-            "ball returns, and ball-to-ball contact of a nut without preload, whose torque `bsm nut` calculates from ball_gap_mm"
+            "ball returns, and the torque due to ball-to-ball contact in a nut without preload, which `bsm nut` calculates from ball_gap_mm"
         }
     };
     let of_inputs = lubricant.into_iter().chain(preload).chain(contacts.then_some(pushes));
@@ -522,7 +524,7 @@ impl AxisReport {
             }
             Err(why) => return Err(why),
             Ok(case) => match (Self::with(&case, settings, full), case.has_estimated_groove()) {
-                // The user can correct an input, unlike an estimated groove.
+                // Unlike an estimated groove, an input can be corrected by the user.
                 (Err(why @ CaseError::Entry { .. }), _) => return Err(why),
                 (Err(why), true) => {
                     let Ok(report) = Self::with(&line, settings, full) else { return Err(why) };
@@ -698,7 +700,7 @@ impl AxisReport {
     pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
         let required = self.number(output!(required_life_revolutions))?;
         let mean_speed = self.number(output!(equivalent_speed_rpm))?;
-        // Number of revolutions at this speed during the required life.
+        // This is the number of revolutions at the given speed within the required life.
         let revolutions = required * rpm / mean_speed;
         Some(self.number(output!(modified_dynamic_rating_N))? * (1e6 / revolutions).cbrt())
     }
@@ -895,7 +897,7 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
         let what = "has no effect unless warm_state is given";
         return Err(invalid_input(InputKey::fold_search_factor.name(), what));
     }
-    // Inputs of the section "warm state" that have an effect even without the thermal network.
+    // These inputs of the section "warm state" have an effect even without the thermal network.
     let act = [
         InputKey::preload_temperature_C,
         InputKey::screw_tension_N,
@@ -917,8 +919,8 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
 /// Returns the case at the largest load and speed of the axis. The ratings are calculated for this
 /// case.
 fn at_largest(case: &Case, axis: &Axis) -> Case {
-    // Carriage and temperature rises are removed, because the load already includes the forces on
-    // the moving mass, and because a separate rule checks the warm preload.
+    // The carriage and the temperature rises are removed from the case, because the load already
+    // includes the forces on the moving mass, and because a separate rule checks the warm preload.
     let mut case = case.cold().without_carriage();
     let load = axis.largest_load();
     (case.axial_load_N, case.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);

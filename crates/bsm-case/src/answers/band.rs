@@ -10,9 +10,9 @@ use crate::{Case, CaseError, Numbers, Settings};
 quantities! { pub(crate) QUANTITIES, read(&LossInterval) of Band;
     "90 % interval of lubricated friction" {
         band_loss_ratio_low [""] Scalar(|band| Some(low(band.loss))),
-            "contact loss / contact loss of this solution: lower end of its 90 % interval";
+            "lower end of the 90 % interval of the contact loss, divided by the contact loss of this solution";
         band_loss_ratio_high [""] Scalar(|band| Some(high(band.loss))),
-            "contact loss / contact loss of this solution: upper end of its 90 % interval";
+            "upper end of the 90 % interval of the contact loss, divided by the contact loss of this solution";
         band_ball_torque_low_Nm ["N m"] Scalar(|band| Some(low(band.screw_torque))),
             "torque of the balls: lower end of its 90 % interval";
         band_ball_torque_high_Nm ["N m"] Scalar(|band| Some(high(band.screw_torque))),

@@ -10,7 +10,7 @@ use crate::{Case, CaseError, Numbers, Settings};
 quantities! { pub(crate) QUANTITIES, read(&Efficiencies) of Branch;
     "branch of increasing inertia" {
         branch_solutions [""] Scalar(|branch| Some(count(branch.0.len()))),
-            "number of steady motions on the branch that begins at a ball without inertia, for the models rigid and traction; finding them takes as long as many solutions";
+            "number of steady motions on the branch that begins at a ball without inertia, for the models rigid and traction; tracing the branch takes as long as solving many operating points";
         branch_efficiency_low [""] Scalar(|branch| branch.0.iter().copied().reduce(f64::min)),
             "lowest efficiency of the steady motions on the branch";
         branch_efficiency_high [""] Scalar(|branch| branch.0.iter().copied().reduce(f64::max)),

@@ -439,7 +439,7 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         motor_speed_rpm = AXIS Scalar(|x| x / RPM);
         nut_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the nut, with equal load sharing";
         screw_nominal_pressure_MPa ["MPa"] Scalar(|x| x / MPA), "largest pressure at the screw, with equal load sharing";
-        contact_ellipse_end_deg ["deg"] Scalar(|x| x / DEG), "angle at which the contact ellipse ends in the groove";
+        contact_ellipse_end_deg ["deg"] Scalar(|x| x / DEG), "angle on the groove at which the contact ellipse ends";
         screw_efficiency = AXIS Scalar(|x| *x);
         screw_input_power_W ["W"] Scalar(|x| *x), "input power of the screw";
         screw_output_power_W ["W"] Scalar(|x| *x), "output power of the screw";

@@ -56,7 +56,7 @@ row! {
         friction_across: Field;
         friction_along: Field;
         /// Share of the points whose slip speed is below the creep speed.
-        sticking_share: f64 = "share of the ellipse below the creep speed";
+        sticking_share: f64 = "share of the ellipse in which the slip speed is below the creep speed";
     }
 }
 
@@ -192,7 +192,9 @@ impl EllipseFields {
             contacts: Rows(self.contacts.clone()),
         });
         if self.contacts.is_empty() {
-            answer.notes.push(format!("Model {model} has contact points without ellipses."));
+            answer.notes.push(format!(
+                "Model {model} treats contacts as points, so there are no contact ellipses."
+            ));
         }
         answer
     }

@@ -221,8 +221,7 @@ fn range_of(
         _ => return Err(CaseError::NoRange { key: input.name() }),
     };
     let range = match rule {
-        // The default range is limited to the values that the rule permits, in case the value is
-        // close to a limit of the rule.
+        // The rule excludes its limits, so the search range must end slightly inside the limits.
         Rule::Between(low, high) => {
             let inset = 1e-6 * (high - low);
             (range.0.max(low + inset), range.1.min(high - inset))
@@ -578,7 +577,7 @@ impl Fit {
     /// calculated with this rule.
     fn about_rule(&self) -> Option<String> {
         let Target::Measured { output, .. } = self.target else { return None };
-        let note = "The manufacturers' rule for the friction torque of the preload is accurate to about 50 %, so the value found has \
+        let note = "The manufacturers' rule for the friction torque due to preload is accurate to about 50 %, so the value found has \
                     at least this uncertainty.";
         output.name.starts_with("preload_torque_measured").then(|| note.to_owned())
     }
@@ -679,7 +678,7 @@ impl Fit {
             )
         });
         let meaning = report.found.iter().any(|found| found.band.is_some()).then(|| {
-            "The intervals contain the uncertainty of the estimated groove, but not the error of the measured value.".to_owned()
+            "The intervals account for the uncertainty of the estimated groove, but not for the error of the measured value.".to_owned()
         });
         let notes = case.groove_note().into_iter().chain(meaning).chain(self.about_rule());
         let notes = notes.chain(missing_values).collect();

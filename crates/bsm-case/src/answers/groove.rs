@@ -78,7 +78,8 @@ impl Case {
         let mut line = self.without_estimates();
         let estimate = line.groove_estimate().ok()??;
         // The nut length is estimated from the best groove. The same nut length is used for all
-        // possible grooves, so that the lengths on the axis sheet have no intervals.
+        // possible grooves, so that each length on the axis sheet is a single value instead of an
+        // interval.
         line.nut_length_mm = line.nut_length_mm.or_else(|| usual_nut_length_mm(self));
         Some((line, estimate))
     }

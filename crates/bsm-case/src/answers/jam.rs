@@ -91,25 +91,25 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         step_thrust_N ["N"] Scalar(|j| Some(j.ball_return.step?.1)) needs [return_angle_deg], "thrust at the step into the screw";
         highest_step_mm ["mm"] Scalar(|j| j.ball_return.highest / MM), "critical height of a step into the return";
         entry_thrust_ratio [""] Scalar(|j| j.ball_return.entered.filter(|ratio| ratio.is_finite())) needs [step_height_mm, return_angle_deg],
-            "thrust behind / thrust ahead of a ball at the step into the return";
+            "thrust from the ball behind / thrust from the balls ahead, for a ball at the step into the return";
         entry_thrust_N ["N"] Scalar(|j| j.ball_return.entry_thrust()) needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
-            "thrust at the step into the return while the ball ahead is at the apex";
+            "thrust that pushes a ball over the step into the return while the ball ahead is at the apex of the return curve";
         screw_track_friction_N ["N"] Scalar(|j| Some(j.track?.screw)) needs [loaded_balls_per_turn],
-            "friction along the track between the screw and one turn of balls in steady motion (as published)";
+            "friction force along the track between the screw and the balls of one turn, in steady motion (published formula)";
         weaker_track_friction_N ["N"] Scalar(|j| Some(j.track?.weaker)) needs [loaded_balls_per_turn],
-            "friction along the track of one turn of balls in steady motion, at the contact with less friction";
+            "friction force along the track on the balls of one turn in steady motion, at the contact with less friction";
         stopped_friction_coefficient [""] Scalar(|j| j.friction.stopped), "friction coefficient of a stopped ball at the screw";
         stopped_track_friction_N ["N"] Scalar(|j| Some(j.track?.stopped)) needs [loaded_balls_per_turn],
-            "friction along the track between the screw and one turn of stationary balls";
+            "friction force along the track between the screw and the stationary balls of one turn";
         ball_return_margin [""] Scalar(|j| Some(j.track?.stopped / j.positive_thrust()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin: friction of stationary balls / thrust";
         published_margin [""] Scalar(|j| Some(j.track?.screw / j.positive_thrust()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "friction / thrust in steady motion, at the screw (as published)";
+            "friction of moving balls at the screw / thrust (published criterion)";
         weaker_contact_margin [""] Scalar(|j| Some(j.track?.weaker / j.positive_thrust()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "friction / thrust in steady motion, at the contact with less friction";
+            "friction of moving balls at the contact with less friction / thrust";
         jams [""] Statement(|j| {
             let track = j.track?;
             if j.ball_return.is_blocked() { Some(true) } else { Some(j.ball_return.thrust()? >= track.stopped) }
-        }) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "true if the thrust is at least the friction of stationary balls";
+        }) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "true if the balls jam in the return, because the thrust is at least as large as the friction of stationary balls";
     }
 }
 
@@ -228,7 +228,9 @@ impl Jam {
             ));
         }
         let [Some(nut), Some(screw), _] = solved.contacts else {
-            unreachable!("every model with a motion has loads and angles of both contacts")
+            unreachable!(
+                "every model that calculates a motion also calculates loads and angles of both contacts"
+            )
         };
         let (point, ball) = (case.reader().operating_point(), solved.ball);
         let friction = Friction::of(case, solution, (&ball, &screw), point.friction.0);
@@ -319,7 +321,7 @@ impl Jam {
         }
         let thrust = self.ball_return.thrust()?;
         Some(format!(
-            "The thrust on a ball is {thrust:.3} N. If the balls of one turn stand still, friction can push them against this thrust with up to {stopped:.3} N; in steady motion, their friction along the track is {screw:.3} N, the value in the published criterion."
+            "The thrust on a ball is {thrust:.3} N. If the balls of one turn stand still, friction can push them against this thrust with up to {stopped:.3} N; in steady motion, their friction along the track is {screw:.3} N, which is the value in the published criterion."
         ))
     }
 }
@@ -350,7 +352,7 @@ impl Friction {
         let Self { moving: [nut, screw], stopped, rest } = *self;
         let [nut, screw, stopped, rest] = [nut, screw, stopped, rest].map(format_number);
         format!(
-            "Friction coefficients: during motion, {nut} at the nut and {screw} at the screw; for a stopped ball at the screw, with the lubricant film of the motion, {stopped}; at rest, between balls and in the ball return, {rest}."
+            "Friction coefficients: {nut} at the nut and {screw} at the screw during motion; {stopped} at the screw for a stopped ball, with the same lubricant film as during motion; {rest} at rest, between balls and in the ball return."
         )
     }
 }

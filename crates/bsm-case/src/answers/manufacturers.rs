@@ -209,9 +209,9 @@ const NO_GROOVE: &str = "none";
 /// Describes the ball of an estimated groove, and whether its diameter is given or estimated.
 fn estimated_ball(case: &Case) -> Option<String> {
     let what = if case.estimates(InputKey::ball_diameter_mm.name()) {
-        "estimated together with the ball of"
+        "estimated together with the ball diameter of"
     } else {
-        "estimated for the given ball of"
+        "estimated for the given ball diameter of"
     };
     Some(format!("{what} {} mm", format_trimmed(case.ball_diameter_mm?)))
 }
@@ -263,7 +263,7 @@ const MIN_ROWS_OF_MEDIAN: usize = 5;
 const RATIO_OVER_MEDIAN: (f64, f64) = (0.88, 1.14);
 
 /// Title of the rule that ratings and geometry of a row must belong to the same nut.
-const SAME_NUT: &str = "ratings and geometry of the same nut";
+const SAME_NUT: &str = "ratings and geometry belong to the same nut";
 
 /// A number of a nut in a list.
 #[derive(Debug, Clone, Copy)]

@@ -365,9 +365,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         largest_third_contact_load_N ["N"] Scalar(|n| positive_finite(n.third_contacts()?.largest_load)) needs FRICTION,
             "largest normal load on any third contact";
         third_contact_torque_Nm ["N m"] Scalar(|n| positive_finite(n.third_contact_torque()?)) needs FRICTION,
-            "  of which third contacts";
+            "  of which due to third contacts";
         third_contact_torque_share [""] Scalar(NutReport::third_contact_share) needs FRICTION,
-            "share of the friction torque of the balls that third contacts cause";
+            "share of the friction torque of the balls that is due to third contacts";
         friction_torque_reverse_Nm ["N m"] Scalar(NutReport::reverse_torque) needs FRICTION,
             "friction torque of the balls in the opposite direction of travel, at the same axial load";
         return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.ball_returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, from return_circuits and return_loss_coefficient";
@@ -376,38 +376,38 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         nut_efficiency [""] Scalar(|n| n.friction()?.efficiency) needs FRICTION, "efficiency, including returns and seals";
         friction_heat_W ["W"] Scalar(|n| n.friction()?.heat) needs FRICTION, "friction heat of balls, returns and seals";
         preload_torque_Nm ["N m"] Scalar(|n| n.drag(Travel::Given)) needs FRICTION,
-            "friction torque of the preload, ball contacts only";
+            "friction torque due to preload, ball contacts only";
         preload_torque_reverse_Nm ["N m"] Scalar(|n| n.drag(Travel::Reverse)) needs FRICTION,
-            "friction torque of the preload in the opposite direction of travel, ball contacts only";
+            "friction torque due to preload in the opposite direction of travel, ball contacts only";
         preload_torque_factor [""] Scalar(|n| Some(n.drag(Travel::Given)? / n.rule_torque()?)) needs FRICTION,
-            "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), ball contacts only";
+            "drag torque coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), ball contacts only";
         preload_torque_factor_rule [""] Scalar(|n| Some(n.drag_by_rule()? / n.rule_torque()?)),
-            "drag coefficient K_p of the preload according to the manufacturers' rule, 0.05/sqrt(tan lead angle)";
+            "drag torque coefficient K_p of the preload according to the manufacturers' rule, 0.05/sqrt(tan lead angle)";
         running_preload_N ["N"] Scalar(|n| Some(n.running_pair(Travel::Given)?.preload)) needs FRICTION,
             "preload of a pair while the screw turns, including the effect of friction";
         running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque)) needs FRICTION,
-            "friction torque of the running preload, sliding friction of the ball contacts only, without the rolling resistance of a film";
+            "friction torque due to the running preload; includes only sliding friction of the ball contacts, without the rolling resistance of a film";
         running_preload_torque_reverse_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Reverse)?.torque)) needs FRICTION,
-            "friction torque of the running preload in the opposite direction of travel";
+            "friction torque due to the running preload in the opposite direction of travel";
         running_preload_torque_factor [""] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque / n.rule_torque()?)) needs FRICTION,
-            "drag coefficient K_p of the running preload torque, relative to the preload at rest";
+            "drag torque coefficient K_p of the running pair, based on the preload at rest";
         running_preload_torque_over_rule [""] Scalar(|n| {
             Some(n.running_pair(Travel::Given)?.torque / n.drag_by_rule()?)
         }) needs FRICTION,
-            "friction torque of the running preload / friction torque according to the manufacturers' rule";
+            "friction torque due to the running preload / friction torque according to the manufacturers' rule";
         running_preload_torque_factor_without_play [""] Scalar(|n| n.factor_without_play()) needs FRICTION,
-            "drag coefficient K_p of the running preload torque if neither nut of the pair has play";
+            "drag torque coefficient K_p of the running pair if neither nut has play";
         rule_torque_low_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[0] * n.rule_torque()?)),
-            "friction torque of the preload, catalog estimate with K_p = 0.1";
+            "friction torque due to preload, catalog estimate with K_p = 0.1";
         rule_torque_high_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[1] * n.rule_torque()?)),
-            "friction torque of the preload, catalog estimate with K_p = 0.3";
+            "friction torque due to preload, catalog estimate with K_p = 0.3";
     }
     "ball train" {
         advance_spread [""] Scalar(|n| Some(n.advance()?.spread)) needs FRICTION, "spread of the speeds of freely rolling balls: (largest - smallest) / mean";
         needed_gap_mm ["mm"] Scalar(|n| Some(n.advance()?.largest_gap() / MM)) needs FRICTION,
             "needed gap: smallest sum of the gaps in the loaded part of a circuit at which no balls touch";
         ball_contact_band_Nm ["N m"] Scalar(|n| n.contact_torque_bound()) needs FRICTION,
-            "torque of ball-to-ball contact if every contact transmits a force of 3 % of the ball load; 0 if the gaps are sufficient";
+            "torque due to ball-to-ball contact if every contact transmits a force of 3 % of the ball load; 0 if the gaps are sufficient";
         contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs TRAIN, "friction torque of the contacts with nut and screw, without forces between balls";
         touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching_contacts))) needs TRAIN, "number of ball-to-ball contacts that transmit a force";
         max_push_N ["N"] Scalar(|n| Some(n.train()?.largest_push)) needs TRAIN, "largest force between balls";
@@ -900,7 +900,7 @@ impl NutReport {
         let mut notes = self.problem.notes.clone();
         if self.at_rest.nut.shares_equally(&self.problem.support) {
             notes
-                .push("All balls share the load equally, as in the models of one ball.".to_owned());
+                .push("All balls share the load equally, as in the single-ball models.".to_owned());
         }
         notes.extend(self.preload_notes());
         notes.extend(self.centrifugal_note(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
@@ -984,7 +984,7 @@ impl NutReport {
                     ));
                 }
                 notes.push(format!(
-                    "The torque {scope}. Catalogs state drag coefficients K_p of 0.1 to 0.3 in \
+                    "The torque {scope}. Catalogs state drag torque coefficients K_p of 0.1 to 0.3 in \
                      T = K_p F_p lead/(2 pi). Two contacts per ball cause about 15 to 40 % of the drag torque that the manufacturers' rule \
                      predicts; with little play (axial_play_um), a third contact can cause the rest."
                 ));

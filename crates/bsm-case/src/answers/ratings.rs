@@ -50,9 +50,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         stiffness_characteristic_N_um15 ["N/um^1.5" "k"] Scalar(|r| r.elasticity.turn_constant * 1e-9),
             "stiffness characteristic of one turn";
         preload_displacement_um ["um"] Scalar(|r| r.for_pair(|e| e.displacement(r.force) / UM)),
-            "displacement of the contacts of a nut under the preload";
+            "axial contact displacement of one nut under the preload";
         contact_displacement_um ["um"] Scalar(|r| r.displacement()) needs [axial_load_N],
-            "axial displacement of the contacts of one nut or of the preloaded pair under the axial load";
+            "axial contact displacement of one nut, or of the preloaded pair, under the axial load";
         secant_contact_stiffness_N_um ["N/um"] Scalar(|r| r.for_single_nut(|e| e.secant(r.force) * UM)) needs [axial_load_N],
             "secant stiffness of the contacts of one nut without preload, load / displacement";
         tangent_contact_stiffness_N_um ["N/um"] Scalar(|r| r.for_single_nut(|e| e.tangent(r.force) * UM)) needs [axial_load_N],

@@ -353,7 +353,7 @@ impl Record {
                      control if both raceways can control"
                 }
                 _ => {
-                    "the result is the solution that is found first if the inertia of the ball grows from zero"
+                    "the result is the first solution that is found as the inertia of the ball increases from zero"
                 }
             };
             let motions = if count == 1 { "motion solves" } else { "motions solve" };

@@ -124,7 +124,7 @@ impl<'a> Samples<'a> {
             })
         };
         let quantiles = Keyed(SAMPLED.iter().enumerate().filter_map(row).collect());
-        let summary = format!("{} nuts carry the load, {failed} do not", carried.len());
+        let summary = format!("{} nuts carry the load, but {failed} do not", carried.len());
         let of = Answer { fails: failed > 0, warnings: case.warnings(), ..Answer::default() };
         of.with_members(SampleMembers {
             carried: Data(carried.len()),
@@ -153,7 +153,7 @@ impl<'a> Samples<'a> {
         });
         if case.has_estimated_groove() && each < number {
             answer.notes.push(format!(
-                "The intervals of the quantiles follow from {PER_GROOVE} samples of each possible groove."
+                "The intervals of the quantiles are calculated from {PER_GROOVE} samples of each possible groove."
             ));
         }
         answer

@@ -105,7 +105,8 @@ pub fn output_schema() -> Value {
     let mut properties = of_the_solve.as_object().cloned().unwrap_or_default();
     properties.extend(OUTPUTS.iter().map(property));
     let columns = |kind: AnalysisKind| {
-        let about = format!("results of {}, which can be columns of bsm sweep", kind.name());
+        let about =
+            format!("results of {}, which can be selected as columns of bsm sweep", kind.name());
         let properties: Map<_, _> = kind.columns().map(property).collect();
         let columns = json!({ "type": "object", "description": about, "properties": properties });
         (kind.name().to_owned(), columns)

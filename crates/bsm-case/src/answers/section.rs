@@ -45,7 +45,7 @@ impl GrooveSection {
         for key in [InputKey::loaded_balls_per_turn, InputKey::loaded_turns] {
             one[key] = one[key].or(Some(1.0));
         }
-        let nut = rated_nut::nut_for(&one, || "for the section of the grooves".to_owned())?;
+        let nut = rated_nut::nut_for(&one, || "for the cross section of the grooves".to_owned())?;
         let thread = rated_nut::thread(case, &nut)?;
         // If the pitch is large, the lands are drawn only up to one ball diameter from the center.
         let half = (0.5 * nut.pitch()).min(nut.ball_diameter);

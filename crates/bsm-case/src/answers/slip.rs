@@ -44,11 +44,11 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
         spin_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.solved.ball.spin(&c.touch))) needs [nut_conformity, screw_conformity],
             "spin slip at the end of the ellipse";
         orbit_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.solved.ball.orbit_spin(&c.touch))) needs [nut_conformity, screw_conformity],
-            "part of the spin slip at the end of the ellipse due to the orbital motion";
+            "part of the spin slip at the end of the ellipse that is due to the orbital motion";
     }
     "friction at the contacts" {
         used_friction_coefficient [""] Contacts(|s| s.friction(|f| f.used)),
-            "used friction coefficient: friction force / normal load";
+            "utilized friction coefficient: friction force / normal load";
     }
     "moments about the tangent" {
         tangent_friction_moment_Nmm ["N mm"] Contacts(|s| s.friction(|f| f.moment / MM)), "moment of friction on the ball about the tangent";

@@ -275,7 +275,7 @@ impl Warm {
             notes.push(match &self.end {
                 Some(why) => format!("The warm state has no fold: {why}"),
                 None => format!(
-                    "The search up to {search} times the speeds found no fold of the warm state."
+                    "No fold of the warm state was found up to {search} times the given speeds."
                 ),
             });
         }

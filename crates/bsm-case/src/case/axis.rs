@@ -256,7 +256,7 @@ impl AxisModel {
         if !cycle.is_none_or(is_finite) {
             return Err(invalid_input(
                 "cycle",
-                "has a travel that is too large; give shorter times",
+                "results in a travel that is too large; give shorter times",
             ));
         }
         let phases = phases(&motion.segments, &carriage, size.lead);

@@ -45,7 +45,7 @@ keys! {
     lead_mm ["mm" "P_h"] Within(MIN_LENGTH_MM, 1e4), None, "leads";
     ball_diameter_mm ["mm" "D_w"] Within(MIN_LENGTH_MM, 1e3), None, "ball diameters";
     loaded_turns ["" "i"] Above(0.0), None, "loaded turns";
-    nut_conformity ["" "f_rn"] Above(0.5), None, "groove radii of the nut divided by ball diameter; the screw has the same values";
+    nut_conformity ["" "f_rn"] Above(0.5), None, "groove radii of the nut divided by ball diameter; the same values apply to the screw";
     contact_angle_deg ["deg" "alpha"] Between(0.0, 90.0), None, "contact angles";
     largest_ball_over_lead [""] Above(0.0), None, "largest ball diameter divided by lead";
     smallest_ball_over_lead [""] AtLeast(0.0), None, "smallest ball diameter divided by lead, for leads up to 10 mm";

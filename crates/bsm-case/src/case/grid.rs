@@ -109,7 +109,7 @@ impl GridAxis {
                 return wrong(format!("has a range of {count} values, but must have at least 2"));
             }
             AxisValues::Range { start, stop, log: true, .. } if !(*start > 0.0 && *stop > 0.0) => {
-                return wrong("must have both ends of a log range > 0".to_owned());
+                return wrong("must have both ends of a logarithmic range above 0".to_owned());
             }
             AxisValues::List(list) if list.is_empty() => {
                 return wrong("must have at least one value".to_owned());

@@ -586,7 +586,7 @@ impl Case {
         if self.entries.preload_class.is_some() {
             return Err(invalid_input(
                 "preload_class",
-                "applies to `axis` and `nut`, but not to the models of one ball",
+                "applies to `axis` and `nut`, but not to the single-ball models",
             ));
         }
         if self.requests_warm_state() {

@@ -27,7 +27,7 @@ impl InputSet {
     /// given inputs are sufficient.
     pub(crate) fn purpose(self, purpose: &str) -> String {
         let known = if self.has_ratings_only() {
-            "; this nut has only ratings, which suffice for `axis`"
+            "; for this nut, only the ratings are known, which suffice for `axis`"
         } else {
             ""
         };

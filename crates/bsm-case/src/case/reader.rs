@@ -299,8 +299,8 @@ pub(crate) fn in_grooves<D: Scalar>(
         let ball = LubricatedBall { lubricant, model };
         return match fit {
             Some(fit) => {
-                // `at` already has the contact angle that results from the radial gap, so the gap
-                // of the fit is 0.
+                // `at` already has the contact angle that results from the radial gap, so the
+                // radial gap in `fit` is set to 0.
                 let fit = ArchFit { radial_gap: D::from(0.0), ..fit };
                 Problem::LubricatedArch(LubricatedArch { ball, fit, far_friction })
             }

@@ -51,7 +51,7 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     (
         "motion",
         &["rotary-to-linear", "linear-to-rotary"],
-        "motion that drives: rotation of the screw, or linear motion of the nut",
+        "driving motion: rotation of the screw, or linear motion of the nut",
     ),
     (
         "objective",

@@ -64,21 +64,21 @@ macro_rules! entries {
 }
 
 entries! {
-    project: String, "project, printed in the header of the sheet of `axis`";
+    project: String, "project, printed in the header of the `axis` sheet";
     drawing: String, "drawing number, printed in the header of the sheet";
     revision: String, "revision, printed in the header of the sheet";
     author: String, "author, printed in the header of the sheet";
     date: String, "date, printed as given in the header of the sheet";
     customer: String, "customer, printed in the header of the sheet";
     remark: String, "remark, printed in the header of the sheet";
-    manufacturer: String, "manufacturer of the screw, for the order on the sheet";
-    order_code: String, "order code of the screw or the nut, for the order on the sheet";
+    manufacturer: String, "manufacturer of the screw, printed in the order data of the sheet";
+    order_code: String, "manufacturer's order code of the screw or the nut, printed in the order data of the sheet";
     display_units: Named<DisplayUnits>,
         "units of screen, sheet, figures and columns: metric, or inch; JSON always has metric units. Defaults to metric";
     circuits: Vec<CircuitEntry>,
         "loaded balls of a nut, circuit by circuit; replaces circuits_count, loaded_turns and loaded_balls_per_turn";
     ring_expansion: bool,
-        "true: the balls expand the nut, which is a tube from the grooves to nut_outer_diameter_mm";
+        "true: the ball loads expand the nut radially; the nut is modeled as a tube from the grooves to nut_outer_diameter_mm";
     nut_guidance: Named<Guidance>,
         "guidance of a nut perpendicular to its axis: guided (tilt and lateral displacement are prevented); free (tilt and lateral displacement follow from the loads)";
     nut_anchor: Named<End>,
@@ -132,7 +132,7 @@ entries! {
     cycle: Vec<PhaseEntry>,
         "cycle of the axis, which replaces axial_load_N and screw_speed_rpm: a list of moves (distance_mm), phases (time_s or share) and dwells (dwell_s), each with force_N and load_factor";
     brake_at_rest: bool,
-        "true: a brake holds the load at standstill, so that the motor needs no torque there; defaults to false";
+        "true: a brake holds the load at standstill, so that the motor needs no torque at standstill; defaults to false";
     warm_state: bool,
         "true: calculates the steady-state temperatures that result from friction, and the preload at these temperatures";
     coolant: Named<Coolant>,

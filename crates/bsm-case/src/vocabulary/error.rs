@@ -170,9 +170,12 @@ impl CaseError {
     /// * `missing`: missing inputs of the simplest model that calculates the motion of the ball.
     pub(crate) fn no_motion(model: Model, missing: &[String]) -> Self {
         let others = match missing {
-            [] => "models rigid, raceway-control, elastic and traction do".to_owned(),
+            [] => "use model rigid, raceway-control, elastic or traction".to_owned(),
             missing => {
-                format!("{} required by model rigid, the simplest model that does", list(missing))
+                format!(
+                    "{} required by model rigid, the simplest model that calculates the motion",
+                    list(missing)
+                )
             }
         };
         let model = model.name();

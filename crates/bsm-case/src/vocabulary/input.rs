@@ -131,7 +131,7 @@ macro_rules! inputs {
 
         /// Key of an input, which is its index in [`INPUTS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[expect(non_camel_case_types, reason = "the variants have the names of the vocabulary")]
+        #[expect(non_camel_case_types, reason = "variant names match the input names in the vocabulary")]
         pub enum InputKey {
             $($(#[doc = $about] $name,)*)*
         }
@@ -405,7 +405,7 @@ inputs! {
     }
     "lubricant" {
         lubricant_density_kg_m3 ["kg/m3"] Above(0.0), None,
-            "density of the lubricant, at 15 C if it varies with temperature; defaults to the density of base_oil. The drag force of `bsm solve --show jam` has no default density";
+            "density of the lubricant, at 15 C if the density varies with temperature; defaults to the density of base_oil. `bsm solve --show jam` calculates the drag force only if the density is given";
         drag_coefficient [""] AtLeast(0.0), None,
             "drag coefficient of a ball in the lubricant";
         iso_vg [""] OneOf(&VISCOSITY_GRADES), None,
@@ -559,13 +559,13 @@ inputs! {
         coupling_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
             "moment of inertia of parts that turn with the driven part, such as a coupling or a pulley";
         nut_inertia_kg_m2 ["kg m2" "J_n"] Above(0.0), None,
-            "moment of inertia of a driven nut; defaults to the value of a steel tube from the pitch circle to nut_outer_diameter_mm";
+            "moment of inertia of a driven nut; defaults to the moment of inertia of a steel tube from the pitch circle to nut_outer_diameter_mm";
         gear_ratio [""] Above(0.0), Some(1.0),
             "turns of the motor for one turn of the screw";
         gear_efficiency [""] Within(0.01, 1.0), Some(1.0),
-            "efficiency of the gear between motor and screw";
+            "efficiency of the gearbox between motor and screw";
         gear_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
-            "moment of inertia of the gear, at the motor";
+            "moment of inertia of the gearbox, referred to the motor shaft";
         support_bearing_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
             "friction torque of all support bearings together; for a driven nut, the friction torque of its bearing";
         support_bearing_stiffness_N_um ["N/um"] Above(0.0), None,
@@ -591,7 +591,7 @@ inputs! {
         required_travel_error_um ["um"] Above(0.0), None,
             "largest permitted travel error";
         required_life_h ["h" "L_h"] Above(0.0), None,
-            "required life; includes the standstill of the cycle";
+            "required life; includes the standstill times of the cycle";
         required_life_revolutions [""] Above(0.0), None,
             "required life in revolutions, both directions added; replaces required_life_h";
         required_life_km ["km"] Above(0.0), None,
@@ -599,9 +599,9 @@ inputs! {
         required_life_cycles [""] Above(0.0), None,
             "required life in cycles; replaces required_life_h";
         required_life_strokes [""] Above(0.0), None,
-            "required life in strokes of stroke_mm; replaces required_life_h";
+            "required life in strokes of length stroke_mm; replaces required_life_h";
         required_life_years [""] Above(0.0), None,
-            "required life in years of operating_h_day and operating_days_year; replaces required_life_h";
+            "required life in years, with operating_h_day hours per day and operating_days_year days per year; replaces required_life_h";
         operating_h_day ["h/day"] Within(0.1, 24.0), None,
             "hours of operation per day; used to calculate the life in years";
         operating_days_year [""] Within(1.0, 366.0), None,
@@ -649,6 +649,6 @@ inputs! {
         steel_conductivity_W_m_K ["W/(m K)"] Above(0.0), Some(45.0),
             "thermal conductivity of the steel";
         fold_search_factor [""] Above(1.0), Some(2.0),
-            "largest multiple of the given speeds up to which the program searches for the fold of the warm state";
+            "upper end of the search for the fold, as a multiple of the given speeds; the fold is the speed above which no warm state exists";
     }
 }

@@ -402,7 +402,7 @@ impl Case {
         for key in given.iter() {
             self[key] = settings[key];
         }
-        // A new preload class replaces a preload.
+        // A new preload class replaces the preload that was given before.
         if settings.entries.preload_class.is_some() && settings.preload_N.is_none() {
             self.preload_N = None;
         }
@@ -431,7 +431,7 @@ impl Case {
         if given.intersects(InputSet::LOAD_AND_SPEED) {
             self.entries.cycle = None;
         }
-        // A new preload replaces a preload class.
+        // A new preload replaces the preload class that was given before.
         if given.contains(InputKey::preload_N) {
             self.entries.preload_class = None;
         }

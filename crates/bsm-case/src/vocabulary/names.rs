@@ -204,8 +204,8 @@ pub fn nearest_input(key: &str) -> Option<&'static str> {
 
 /// Returns the name that is most similar to `key`, if a name is similar enough.
 pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    // If the text is much longer than a name, the two are not similar, and comparing them would be
-    // slow.
+    // If the text is much longer than a name, the text and the name are not similar, and comparing
+    // them would be slow.
     let names = names.filter(|name| key.len() <= 2 * name.len());
     let key = key.to_lowercase();
     let part = if key.len() < 3 { "no part of a name" } else { key.as_str() };

@@ -122,7 +122,7 @@ pub(crate) fn decimal(value: f64) -> f64 {
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "the numbers are rounded or are integers by their rules, and they do not exceed the maximum number of balls"
+    reason = "every number is rounded or checked to be an integer, and is at most the maximum number of balls"
 )]
 pub(crate) fn whole(value: f64) -> usize {
     value.round() as usize

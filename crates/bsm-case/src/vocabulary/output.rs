@@ -220,7 +220,7 @@ macro_rules! outputs {
 
         /// Key of an output, which is its index in [`OUTPUTS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[expect(non_camel_case_types, reason = "the variants have the names of the vocabulary")]
+        #[expect(non_camel_case_types, reason = "variant names match the output names in the vocabulary")]
         pub enum SolutionOutput {
             $($($(#[doc = $about] $name,)+)*)*
         }
@@ -362,7 +362,7 @@ outputs! {
         "skid onset number" [""] Number: onset_number whole = |s, _| s.skid.as_ref()?.onset_number(),
             "skid onset number: skid number times a factor that accounts for the friction consumed by lead-induced slip. Below 0.1, the ball rolls; above 2, it is in gross skid";
         "threshold play of the third contact" ["um"] Number: threshold_play_um whole = |s, _| Some(s.ball.threshold_play? / UM),
-            "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0 if friction never does";
+            "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0 if friction never presses a ball onto a far flank";
         "gap at the far flank (negative: interference)" ["um"] Number: far_flank_gap_um whole = |s, _| Some(s.far_flank.as_ref()?.gap / UM),
             "gap between a ball and the closer of the two far flanks at axial_play_um; a negative gap is the elastic approach of the third contact";
         "third contact load" ["N"] Number: third_contact_load_N whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.load),
@@ -418,13 +418,13 @@ outputs! {
         "controlling_raceway" [""] Raceway: controlling_raceway whole = |s, _| Some(constant(s, f64::from(s.control?.raceway as u8))),
             "raceway on which the ball does not spin (raceway control)";
         "control_consistent" [""] Flag: control_consistent whole = |s, _| Some(constant(s, yes(s.control?.consistent?))),
-            "true if the controlling raceway has the larger spin friction moment at this solution; false if neither raceway has the larger moment at its own solution";
+            "true if the controlling raceway has the larger spin friction moment in this solution; false if this condition is met neither under nut control nor under screw control";
         "other_solutions" [""] Count: other_solutions whole = |s, _| Some(constant(s, count(s.alternatives?.count))),
             "number of other steady motions known at this point; null: unknown, because no search was made or the search failed";
         "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| Some(constant(s, s.alternatives?.farthest_efficiency?)),
             "efficiency of the other steady motion whose efficiency differs most from the efficiency of this motion";
         "evidence" [""] Evidence: evidence whole = |_, _| None,
-            "evidence for no_solution: proof; bound (limits measured at many points: the error of an expansion, or the range in which two solutions exist); traced (the branch of states that starts at small inertia was traced to its end in steps of finite size)";
+            "evidence for no_solution: proof; bound (solutions are excluded by a limit that was determined in tests at many points: the error of an expansion, or the boundary of the range in which several solutions exist); traced (the branch that starts at small inertia was traced to its end in finite steps)";
     }
 }
 

@@ -225,7 +225,7 @@ macro_rules! quantities {
         };
 
         /// Namespace for the readers of the table.
-        #[expect(non_camel_case_types, reason = "the type has the name of the function")]
+        #[expect(non_camel_case_types, reason = "the type is named after the function")]
         enum $numbers {}
 
         impl $numbers {

@@ -78,7 +78,8 @@ fn slip_powers_add_up_to_the_dissipated_power() {
         assert_eq!(solution.model, Model::Traction);
         let report = bsm_case::slip(&case, &settings, &solution).expect("a motion");
         // The model keeps its quadrature nodes fixed in the last iterations, while the report uses
-        // the nodes of the final motion. The resulting difference is a fraction of the accuracy.
+        // the nodes of the final motion. The resulting difference is at most a thousandth of the
+        // requested accuracy.
         let apart = f64::max(1e-9, 1e-3 * settings.accuracy);
         assert!(number(&report, "power_difference").abs() < apart);
         assert!(report.warnings.iter().all(|w| !w.contains("add up")), "{:?}", report.warnings);
@@ -357,7 +358,7 @@ fn analyses_reject_models_that_do_not_calculate_the_motion() {
     for refused in [bsm_case::slip(&case, &settings, &solution), bsm_case::jam(&case, &solution)] {
         let error = refused.expect_err("no motion");
         assert!(error.to_string().contains("does not calculate the motion of the ball"), "{error}");
-        assert!(error.to_string().contains("models rigid, raceway-control"), "{error}");
+        assert!(error.to_string().contains("use model rigid, raceway-control"), "{error}");
     }
     let mut work = ModelWorkspace::default();
     let fixed = MotionAnswer::of(&case, &settings, &mut work).expect("complete");
@@ -458,8 +459,8 @@ fn slip_powers_of_a_lubricated_ball_add_up_to_the_sliding_power() {
             let film = solution.steady_state().and_then(|solved| solved.film).expect("a lubricant");
             let report = bsm_case::slip(&oil, &settings, &solution).expect("a motion");
             let total = number(&report, "total_friction_power_W");
-            // Model and analysis integrate the friction of the films at different points. The
-            // tolerance equals the limit above which the slip analysis gives a warning.
+            // The model and the slip analysis integrate the friction of the films at different
+            // points. The tolerance equals the limit above which the slip analysis gives a warning.
             let difference = (total - film.sliding_power).abs();
             assert!(difference <= 1e-3 * film.sliding_power, "{speed} {model:?}: {difference}");
             assert!(!report.warnings.iter().any(|w| w.contains("add up")), "{:?}", report.warnings);
@@ -550,7 +551,7 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
         report.texts("lacks")
     );
     // Given angles are rejected for a model that calculates the angles and for the jamming
-    // analysis. One angle without the other is also rejected.
+    // analysis. A case with only one of the two angles is also rejected.
     let traction = Model::Traction.into();
     let refused = bsm_case::slip(&given, &traction, &solved(&given, &traction));
     assert!(matches!(refused, Err(CaseError::OutOfRange { model: Some(_), .. })), "{refused:?}");

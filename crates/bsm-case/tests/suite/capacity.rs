@@ -27,8 +27,8 @@ fn ratings_grow_with_the_number_of_turns() {
     let one = numbers(&nut(&[("loaded_turns", 1.0), ("axial_load_N", 1000.0)]));
     let four = numbers(&nut(&[("loaded_turns", 4.0), ("axial_load_N", 4000.0)]));
     let ratio = |name: &str| four(name) / one(name);
-    // The load and the number of turns differ by a factor of exactly 4, so the ratios of the
-    // results differ from the exact values only by rounding errors.
+    // Between the two cases, both the load and the number of turns change by a factor of exactly 4,
+    // so the ratios of the results differ from the exact values only by rounding errors.
     assert!((ratio("dynamic_load_rating_N") - 4.0_f64.powf(0.86)).abs() < 1e-12);
     assert!((ratio("static_load_rating_N") - 4.0).abs() < 1e-12);
     assert!((ratio("contact_displacement_um") - 1.0).abs() < 1e-12);

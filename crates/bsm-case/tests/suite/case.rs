@@ -101,8 +101,8 @@ fn auto_chooses_the_most_complete_model() {
     let rigid = Model::Rigid;
     let [closed, quasi, gross_skid] =
         [Model::ClosedForm, Model::QuasiStatic, rigid].map(|m| Some(ModelChoice::Fixed(m)));
-    // If both conformities are given, the error of each model is bounded, so the choice remains
-    // `auto`.
+    // If both conformities are given, the error of each model is bounded, so `auto` chooses the
+    // model for each point, and the choice is not replaced by a fixed model.
     let auto = Some(ModelChoice::Auto);
     assert_eq!(
         chosen,
@@ -365,7 +365,7 @@ fn grids_are_cartesian_products_with_exact_range_ends() {
         ("lead_angle_deg=1:2:1", "at least 2"),
         ("lead_angle_deg=1:inf:3", "finite"),
         ("lead_angle_deg=", "finite"),
-        ("axial_load_N=0:9:3:log", "must have both ends of a log range > 0"),
+        ("axial_load_N=0:9:3:log", "must have both ends of a logarithmic range above 0"),
         ("lead_angle_deg=1:2:3:exp", "name=start:stop:count:log"),
         ("lead_angel_deg=1:2:3", "did you mean `lead_angle_deg`?"),
         ("lead_angle_deg=0:20:3", "`lead_angle_deg` = 0 must be between 0 and 90"),
@@ -431,7 +431,7 @@ fn error_about_two_forms_of_a_quantity_states_both_names() {
         assert_eq!(read.expect_err("two forms").to_string(), expected);
         let varied = Grid::parse(&forms).expect_err("two forms").to_string();
         assert!(varied == expected || varied.contains("`axial_load_N` is given twice"), "{varied}");
-        // A later setting replaces the other forms of its quantity.
+        // A later setting replaces earlier settings that give the same quantity in another form.
         let mut case = Case::default();
         case.apply(&forms[..1]).and_then(|()| case.apply(&forms[1..])).expect("a setting");
         case.check().expect("one of them");

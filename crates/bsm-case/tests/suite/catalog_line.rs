@@ -142,7 +142,7 @@ fn intervals_from_catalog_data_match_an_independent_implementation() {
         let torque = answer.band("ball_torque_Nm").expect("an interval");
         assert_relative_eq!(torque.low - ideal, low, max_relative = 0.01);
         assert_relative_eq!(torque.high - ideal, high, max_relative = 0.01);
-        // An error of 1 % of the loss corresponds to 0.03 % of the efficiency.
+        // A 1 % error in the loss corresponds to a 0.03 % error in the efficiency.
         let efficiency = answer.band("efficiency").expect("an interval");
         assert_relative_eq!(efficiency.low, least, max_relative = 3e-4);
         assert_relative_eq!(efficiency.high, most, max_relative = 3e-4);
@@ -379,8 +379,14 @@ given,15,10,3.175,3,12.32,9600,19300";
     let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("rows");
     let rows = ManufacturerRow::all(&nuts, None).expect("ratings");
     let row = |name: &str| rows.iter().find(|row| row.name == name).expect("a row");
-    assert_eq!(row("line").groove.as_deref(), Some("estimated together with the ball of 6.35 mm"));
-    assert_eq!(row("ball").groove.as_deref(), Some("estimated for the given ball of 6.35 mm"));
+    assert_eq!(
+        row("line").groove.as_deref(),
+        Some("estimated together with the ball diameter of 6.35 mm")
+    );
+    assert_eq!(
+        row("ball").groove.as_deref(),
+        Some("estimated for the given ball diameter of 6.35 mm")
+    );
     assert_eq!(row("misprint").groove.as_deref(), Some("none"));
     assert_eq!((&row("given").groove, &row("given").contradiction), (&None, &None));
     assert!(row("line").value("our_stiffness_N_um").is_some_and(|stiffness| stiffness > 300.0));
@@ -402,8 +408,8 @@ SFU02505,25,5,3.175,4,1724,4904";
         named.contains(&("SFU03205", true)) && named.contains(&("SFU02505", false)),
         "{named:?}"
     );
-    // In the axis of a requirement, the contradictory row fails. The other rows are checked against
-    // the rules.
+    // If a requirement is given, the contradictory row fails, and the other rows are checked
+    // against the rules for the axis.
     let requirement = br#"{"axial_load_N": 1000, "feed_m_min": 5, "stroke_mm": 300}"#;
     let lists = bsm_case::Catalog::standard().expect("compiled in").lists;
     let requirement = RequirementFile::from_json(requirement, &[], lists).expect("a requirement");
@@ -708,7 +714,7 @@ fn fitted_friction_coefficient_has_an_interval_even_if_the_case_contains_no_fric
         let [found] = &report.found[..] else { panic!("{:?}", report.found) };
         assert_eq!(found.grooves_without_value, 0);
         let notes = fit.answer(&line, &report).notes;
-        assert!(notes.iter().any(|note| note.contains("not the error of the measured value")));
+        assert!(notes.iter().any(|note| note.contains("not for the error of the measured value")));
         (found.value, found.band)
     };
     let given = fitted(&line);
@@ -733,7 +739,8 @@ fn estimated_nut_length_fits_the_turns_of_the_estimated_groove() {
     let (turns, length) = (number("loaded_turns"), number("nut_length_mm"));
     assert!(turns > 5.0, "{turns}");
     assert_relative_eq!(length, 5.0 * (turns + 3.0), max_relative = 1e-12);
-    // The nut has the same length for all possible grooves, so lengths have no intervals.
+    // The same nut length is used for all possible grooves, so lengths, and results that depend
+    // only on lengths, have no intervals.
     assert!(report.answer.band("loaded_turns").is_some());
     for name in ["nut_length_mm", "thread_length_mm", "critical_speed_rpm", "screw_mass_kg"] {
         assert_eq!(report.answer.band(name), None, "{name}");

@@ -335,7 +335,7 @@ fn missing_lead_is_chosen_from_standard_leads() {
     let mass = |report: &DesignReport| value(report, "mass_of_nut_and_screw_kg");
     let given =
         DesignReport::of(&requirement(&[&format!("lead_mm={lead}")]).expect("a requirement"));
-    // Both searches consider the same sizes.
+    // The searches with and without a given lead consider the same sizes.
     assert!((mass(&free) / mass(&given) - 1.0).abs() < 1e-9);
     for other in ["lead_mm=8", "lead_mm=12", "lead_mm=16"] {
         let other = DesignReport::of(&requirement(&[other]).expect("a requirement"));

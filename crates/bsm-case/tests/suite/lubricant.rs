@@ -189,8 +189,8 @@ fn each_ball_of_a_lubricated_nut_has_its_own_film_thickness() {
     let rough =
         ["nut_roughness_um=1e9", "screw_roughness_um=1e9", "rolling_factor=0", "hysteresis_loss=0"];
     let rough = report(&[&OIL[..], &rough].concat());
-    // Model `raceway-control` integrates a constant coefficient with an error of 1e-4 of the
-    // friction at each contact.
+    // Model `raceway-control` integrates the friction for a constant coefficient with a relative
+    // error of 1e-4 at each contact.
     assert_relative_eq!(torque(&rough), torque(&dry), max_relative = 1e-3);
     let oiled = report(&OIL);
     assert!(torque(&oiled) < torque(&dry));

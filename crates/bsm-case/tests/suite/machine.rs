@@ -108,7 +108,7 @@ fn ordering_data_of_a_nut_pair_include_both_nuts_and_the_thread() {
     pair.remove("unsupported_length_mm");
     let masses =
         [&single, &pair].map(|case| number(&sheet(case).expect("a sheet"), "screw_mass_kg"));
-    // The threads of the single nut and of the pair are 800 mm and 890 mm long.
+    // The thread is 800 mm long for the single nut and 890 mm long for the pair.
     assert_relative_eq!(masses[1] / masses[0], 890.0 / 800.0, max_relative = 1e-12);
     // If the bearings are closer together, the thread only fits with a shorter overrun.
     pair.insert("unsupported_length_mm".into(), json!(880));
@@ -213,8 +213,8 @@ fn constrained_expansion_causes_a_warning_or_is_checked_by_a_rule() {
     let judged = sheet(&inputs).expect("a sheet");
     let rule = judged.answer.rules.iter().find(|rule| rule.title == "support bearings");
     assert!(!rule.expect("a limit").passes() && !warned(&judged));
-    // The pretension from the remedy prevents the compression. The cold bearings must carry this
-    // pretension.
+    // The pretension that the remedy states prevents the compression. The cold bearings must carry
+    // this pretension.
     inputs.insert("pretension_K".into(), json!(16.3));
     let tight = sheet(&inputs).expect("a sheet");
     assert!(number(&tight, "screw_tension_N") > 0.0);
@@ -297,7 +297,7 @@ fn average_film_conductance_includes_standstill() {
     let [full, part] = [0, 1].map(|place| of(place).expect("a sheet"));
     let ratio = |name: &str| number(&part, name) / number(&full, name);
     assert_relative_eq!(ratio("mean_heat_W"), 0.6, max_relative = 1e-12);
-    // Equation (I9) gives the film conductance at standstill, which lasts for 0.4 of the time.
+    // Equation (I9) gives the film conductance at standstill, which lasts for 40 % of the time.
     let film = 0.6 * number(&full, "screw_film_W_m2K") + 0.4 * 5.234_725_013_676_082;
     assert_relative_eq!(number(&part, "screw_film_W_m2K"), film, max_relative = 1e-6);
     assert!(ratio("steady_temperature_rise_K") < 0.75, "{}", ratio("steady_temperature_rise_K"));

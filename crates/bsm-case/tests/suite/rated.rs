@@ -101,7 +101,10 @@ fn axis_sheet_explains_why_results_are_omitted_if_the_groove_is_unknown() {
         bsm_case::ratings(&case).map(|_| ()).expect_err("ratings"),
     ];
     for why in refused.map(|why| why.to_string()) {
-        assert!(why.contains("only ratings") && why.contains("contact_angle_deg"), "{why}");
+        assert!(
+            why.contains("only the ratings are known") && why.contains("contact_angle_deg"),
+            "{why}"
+        );
     }
     let partly = sheet(FOUR, &["contact_angle_deg=45"]).expect("a sheet");
     assert!(has_note(&partly, "not given in full"), "{:?}", partly.answer.notes);
@@ -506,8 +509,8 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
     assert_relative_eq!(ratio(&report), expected, max_relative = 3e-4);
     let film = number(&report, "modified_life_h");
     assert!(film > 0.0 && film < 50.0 * number(&report, "cycle_life_h"), "{film}");
-    // On request, the viscosity ratio is calculated from the viscosity alone: ν/ν₁ of the theory
-    // (Z38), for ISO VG 68 at 40 degrees.
+    // On request, the viscosity ratio is calculated from the viscosity alone: ν/ν₁ according to
+    // (Z38), for ISO VG 68 at 40 °C.
     case.apply(&["kappa_by=viscosity"]).expect("a word");
     let report = AxisReport::of(&case, &settings).expect("a sheet");
     let rpm = report.phases[0].number(output!(screw_speed_rpm)).expect("a speed").abs();
@@ -665,7 +668,8 @@ fn axis_sheet_states_the_largest_screw_torque_at_the_largest_load() {
     let torque = press.phases[0].torque().expect("a torque");
     assert!(torque < 0.0, "{torque}");
     assert_relative_eq!(number(&press, "screw_torque_Nm"), -torque, max_relative = 1e-12);
-    // If only lowering has the largest load, a torque against the load is still positive.
+    // The screw torque is positive if it acts against the load, even if the largest load occurs
+    // only while the load is lowered.
     let heavy = r#"{"time_s": 1, "feed_m_min": -9, "force_N": 9800}"#;
     let torque = number(&cycle(heavy), "screw_torque_Nm");
     assert_relative_eq!(torque, 9800.0 * 5e-3 / TAU * 0.8 - 0.15, max_relative = 1e-12);
@@ -687,7 +691,7 @@ fn constant_process_force_acts_like_a_weight() {
         "back_driving_torque_high_Nm",
     ] {
         let [a, b] = [&upright, &level].map(|sheet| sheet.number(named(name)).expect(name));
-        // The two calculated values differ only by rounding errors.
+        // The values for the vertical and the horizontal axis differ only by rounding errors.
         assert!((a - b).abs() <= 1e-12 * a.abs(), "{name}: {a} {b}");
     }
 }

@@ -191,7 +191,7 @@ fn screw_torque_is_the_sum_of_the_listed_torques() {
         let record = Record::new(solution.solve(&mut ModelWorkspace::default()));
         let others = part("seal_torque_Nm") + part("support_bearing_torque_Nm");
         let balls = torque - (screw - nut).signum() * others;
-        // The contact friction is the difference of torques that are 40 times larger.
+        // The contact friction is the difference between torques that are 40 times larger.
         let of_balls = record.number(output!(ball_torque_Nm)).expect("a torque");
         assert_relative_eq!(balls, of_balls, max_relative = 1e-13);
     }
@@ -336,7 +336,7 @@ fn sheet_of_a_lubricated_axis_states_uncertainty_bands_of_friction_torques() {
     near(percent, 90.0, 1e-9, "the interval");
     // The torque in the note has three digits.
     near(stated, number_of_phase(&report, 0, "contact_friction_torque_Nm"), 1e-3, "stated");
-    // According to the specification, the loss is between 0.6 and 1.3 of the calculated value if
+    // According to the specification, the loss is between 0.6 and 1.3 times the calculated value if
     // rolling resistance dominates.
     assert!(
         (0.55..0.95).contains(&(low / stated)) && (1.05..1.4).contains(&(high / stated)),
@@ -640,7 +640,8 @@ fn slenderness_of_the_screw_is_limited_only_on_request() {
     };
     let (free, _) = light(&[]);
     let (slim, held) = light(&["largest_length_over_pitch_radius=60"]);
-    // In the audit, the masses were 1.98 and 9.66 kg. Here the screw is as long as its thread.
+    // An audit found masses of 1.98 kg without the length limit and 9.66 kg with the limit. The
+    // masses differ here, because the screw is only as long as its thread.
     assert!(free < 2.5 && slim > 3.0 * free, "{free} {slim}");
     // The message states how much lighter the screw could be without the limit.
     let slender =

@@ -199,7 +199,8 @@ fn loss_of_a_lubricated_third_contact_equals_the_loss_of_a_dry_third_contact() {
     let [below, above] = [low, high].map(|play| power(&at(Some(play)).0));
     assert!((below / above - 1.0).abs() < 1e-6, "{below} {above}");
     assert!((above / power(&two) - 1.0).abs() < 1e-12, "{above}");
-    // The third contact adds the same loss as for dry balls with the mean friction coefficient.
+    // The third contact adds the same loss as the third contact of dry balls with the mean friction
+    // coefficient.
     let mean = 0.5
         * ["nut_friction_coefficient", "screw_friction_coefficient"]
             .map(|name| two.number(named(name)).expect(name))
@@ -229,8 +230,8 @@ fn axis_sheet_states_third_contacts_and_drag_in_both_directions() {
     let of = |report: &AxisReport, name: &str| {
         report.number(named(name)).unwrap_or_else(|| panic!("{name}"))
     };
-    // The sheet states the third contacts of the nut under the largest load, and their torque in
-    // each phase.
+    // The sheet states the number and the largest load of the third contacts under the largest
+    // axial load, and the torque of the third contacts in each phase.
     assert!(
         of(&with, "third_contact_balls") > 0.0 && of(&with, "largest_third_contact_load_N") > 0.0
     );
@@ -246,7 +247,8 @@ fn axis_sheet_states_third_contacts_and_drag_in_both_directions() {
     assert!(
         wide.phases.iter().all(|phase| phase.number(output!(third_contact_torque_Nm)).is_none())
     );
-    // The calculated drag coefficient is listed next to the value from the manufacturers' rule.
+    // The calculated drag torque coefficient is listed next to the value from the manufacturers'
+    // rule.
     let rule = of(&with, "preload_torque_factor_rule");
     let [running, of_two] =
         [&with, &wide].map(|report| of(report, "running_preload_torque_factor"));

@@ -302,5 +302,5 @@ fn axis_sheet_states_whether_its_torque_includes_ball_to_ball_friction() {
     assert!(given.contains("the torque includes ball-to-ball contact"), "{given}");
     assert!(pushed > free, "{pushed} {free}");
     let (single, _) = says(json!({"ball_gap_mm": 1.0}));
-    assert!(single.contains("of a nut without preload, whose torque `bsm nut`"), "{single}");
+    assert!(single.contains("in a nut without preload, which `bsm nut`"), "{single}");
 }

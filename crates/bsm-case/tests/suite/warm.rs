@@ -420,7 +420,7 @@ fn thermal_compression_reduces_the_buckling_safety() {
     let tension = number("screw_tension_N");
     assert!(tension < 0.0);
     let safety = number("buckling_load_N") / (number("largest_load_N") - tension);
-    // The two calculated values differ only by rounding errors.
+    // The buckling safety of the sheet and the calculated ratio differ only by rounding errors.
     assert!((number("buckling_safety") / safety - 1.0).abs() < 1e-12);
     assert!(sheet.answer.warnings.iter().any(|words| words.contains("expansion compresses")));
 }

@@ -723,7 +723,7 @@ pub(crate) fn test_output(site: &Site, line: &str) -> Result<String> {
     let (stdout, _) = site.run("cargo", &words)?;
     let noise = ["running ", "test result", "test "];
     let mut lines: Vec<_> = stdout.lines().map(str::trim_end).collect();
-    // With `--quiet`, cargo prints a line with a dot for each test, which is removed.
+    // With `--quiet`, cargo prints a line of dots, one dot per test. These lines are removed.
     lines.retain(|line| {
         !line.chars().all(|c| ".i".contains(c)) && !noise.iter().any(|n| line.starts_with(n))
     });

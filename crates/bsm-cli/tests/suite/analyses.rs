@@ -183,7 +183,7 @@ fn invalid_input_of_an_analysis_is_reported() {
         (vec!["solve", &angles, "--show", "slip", "--figures", "x"], "ball_diameter_mm, "),
         (
             vec!["solve", &angles, "--show", "jam"],
-            "required by model rigid, the simplest model that does",
+            "required by model rigid, the simplest model that calculates the motion",
         ),
         (vec!["solve", &dong, "--show", "jam", "--set", "return_angle_deg=95"], "between 0 and 90"),
         (

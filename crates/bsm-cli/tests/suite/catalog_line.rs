@@ -197,7 +197,7 @@ fn lists_and_offers_from_catalog_data_contain_intervals() {
     assert_eq!(row.matches(" to ").count(), 2, "{row}");
     let csv = fs::read_to_string(dir.path().join("list.csv")).expect("a table");
     assert!(csv.starts_with("nut,") && csv.contains(",our_stiffness_low_N_um,"), "{csv}");
-    assert!(csv.contains("estimated together with the ball of 6.35 mm"), "{csv}");
+    assert!(csv.contains("estimated together with the ball diameter of 6.35 mm"), "{csv}");
     let heavier = fs::read_to_string(dir.path().join("line.json")).expect("a case");
     fs::write(dir.path().join("other.json"), heavier.replace("51300", "48000")).expect("a case");
     let axis = ["axis", "line.json", "other.json", "--set", "stroke_mm=500", "--json"];

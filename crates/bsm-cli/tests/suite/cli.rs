@@ -509,7 +509,7 @@ fn sweep_rows_match_single_solves() {
     let solved =
         stdout(&bsm(dir.path(), &["solve", &lin(), "--set", "axial_load_N=200", "--json"], ""));
     let solved: Value = serde_json::from_str(&solved).expect("JSON");
-    // Batch kernels agree with the models to within 1e-10.
+    // Batch kernels agree with the models to within a relative difference of 1e-10.
     let solved = solved["efficiency"].as_f64().expect("a number");
     assert!((solved - swept).abs() <= 1e-10 * solved, "{solved} {swept}");
 }

@@ -209,7 +209,7 @@ fn contradictory_nut_inputs_are_rejected() {
         (with("balls", json!(0)), "`circuits[1].balls` = 0 must be"),
         (with("arc_deg", json!(-1)), "`circuits[1].arc_deg` = -1 must be a finite number > 0"),
         (with("start", json!(1)), "`circuits[1].start` = 1 must be below the number of starts, 1"),
-        (with("body", json!(2)), "has no circuit of body 1"),
+        (with("body", json!(2)), "contains no circuit for nut body 1"),
         (with("flank", json!("up")), "`circuits[1].flank`: `up` is not one of `+`, `-`"),
         (json!({ "circuits": [circuit] }), "give either circuits or loaded_turns; both are given"),
         (json!({ "ring_expansion": 1 }), "`ring_expansion`: invalid type: integer"),
@@ -421,7 +421,8 @@ fn nut_results_are_available_as_sweep_columns() {
     for name in columns.split(',') {
         let place = header.iter().position(|column| *column == name).expect(name);
         let cell: f64 = row[place].parse().unwrap_or_else(|_| panic!("{name}: {text}"));
-        // Both numbers come from the same solve, so the results are bit-identical.
+        // The sweep and the command `nut` perform the same calculation, so the results are
+        // bit-identical.
         assert_eq!(Some(cell.to_bits()), found[name].as_f64().map(f64::to_bits), "{name}: {text}");
     }
 }
@@ -716,8 +717,8 @@ fn the_example_nut_is_solved() {
     let output =
         bsm(dir.path(), &["solve", &example("nut.json"), "--show", "ratings", "--json"], "");
     let rated: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
-    // The preload must be equal to the preload of the ratings. The search determines the preload
-    // with an error of up to 1e-8.
+    // The preload must be equal to the preload that `--show ratings` prints. The search determines
+    // the preload with an error of up to 1e-8.
     let ratio = number(&found, "cold_preload_N") / number(&rated, "preload_N");
     assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
     assert!(
@@ -926,8 +927,8 @@ fn drag_torque_of_a_pair_with_play_matches_the_reference() {
         assert_eq!(code, Some(0), "{words}");
         found
     };
-    // The numbers in each row are the play, the drag coefficient, and the ratio of the running
-    // preload to the given preload. The values come from validation/published/nut.
+    // The numbers in each row are the play, the drag torque coefficient, and the ratio of the
+    // running preload to the given preload. The values come from validation/published/nut.
     for (play, running, force) in
         [(0.0, 0.205_056, 0.969_428), (10.0, 0.186_738, 1.024_71), (50.0, 0.052_749, 1.456_62)]
     {

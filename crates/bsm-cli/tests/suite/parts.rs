@@ -577,7 +577,7 @@ fn run_commands_on_modified_folders(seed: u64, step: usize) -> (usize, usize) {
             let after = files(&map);
             let is_part = |name: &PathBuf| name.starts_with("data");
             for (name, bytes) in expected.iter().filter(|(name, _)| is_part(name)) {
-                // Parts that the modification left intact must be unchanged.
+                // The command must not change parts that were intact before it ran.
                 assert!(before.get(name) != Some(bytes) || after.get(name) == Some(bytes), "{at}");
             }
             mended += usize::from(code == 0 && before != after);
@@ -648,7 +648,8 @@ fn stopped_run_leaves_no_temporary_files() {
         let asked = Instant::now();
         assert!(killed.expect("kill").success());
         assert_eq!(child.wait().expect("ends").code(), Some(code));
-        // The program ends within milliseconds. The limit leaves a margin for a busy machine.
+        // The program ends within milliseconds. The time limit of 2 s leaves a margin for a busy
+        // machine.
         assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
         assert_eq!(fs::read_dir(&tmp).expect("folder").count(), 0);
     }
@@ -736,7 +737,7 @@ fn a_plan_of_1e12_points_takes_less_than_ten_seconds() {
     let said = run_checked(dir.path(), 3, &["parts", "check", "map/", "--deep"]);
     assert!(said.starts_with("1 of 59605 parts") && said.contains("missing  0:59604\n"), "{said}");
     assert!(said.contains("4096 of 999989186560 rows"), "{said}");
-    // The test takes 0.1 s. The limit leaves a margin for a busy machine.
+    // The test takes 0.1 s. The time limit of 10 s leaves a margin for a busy machine.
     assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
     let size: usize = files(&dir.path().join("map")).values().map(Vec::len).sum();
     assert!(size < 200_000, "{size} bytes");

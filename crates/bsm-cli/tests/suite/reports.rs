@@ -28,7 +28,7 @@ fn validate_passes_and_writes_its_report() {
     let results: Value = serde_json::from_str(&read("results.json")).expect("JSON");
     assert_eq!(results["passed"], true);
     assert!(results["checks"].as_array().expect("list").len() >= 25);
-    // Runs only some of the checks and writes only their page.
+    // This command runs only the selected checks and writes a page that contains only these checks.
     let some = ["validate", "--only", "elastic/", "--json", "-o", "some.html", "-o", "some.json"];
     let output = bsm(dir.path(), &some, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -56,7 +56,7 @@ fn check_fails_if_its_reference_value_is_changed() {
     let file = data.join("checks.csv");
     let table = fs::read_to_string(&file).expect("a table");
     let row = table.lines().find(|row| row.starts_with("elastic/hertz-nut-ratio,")).expect("a row");
-    // In a row, the reference value precedes the tolerance.
+    // In each row, the reference value precedes the tolerance.
     let value = row.rsplit(',').filter_map(|cell| cell.parse::<f64>().ok()).nth(1);
     let value = value.expect("a number");
     let perturbed =

@@ -138,8 +138,8 @@ fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, 
             let _ = Command::new("kill").args([signal, &child.id().to_string()]).output();
         }
         let output = child.wait_with_output().expect("ends");
-        // The process was either killed or had finished before. It must neither panic nor report an
-        // error.
+        // The process was either killed or had already finished. In both cases, it must neither
+        // panic nor report an error.
         let code = output.status.code();
         assert!(!matches!(code, Some(1 | 2 | 101)), "{code:?} {}", stderr(&output));
         code == Some(3)
@@ -560,9 +560,15 @@ fn run_does_not_wait_forever_if_a_named_pipe_replaces_an_input_file() {
     for (args, words) in [
         (resume("grid"), "map/plan.json is not the plan of this task: it is a pipe or a device"),
         (points.args("grid", "map/"), "holds the parts of another task"),
-        (resume("points.csv"), "points.csv: a folder of parts needs points from a file"),
-        (resume("points.parquet"), "points.parquet: a folder of parts needs points"),
-        (resume("-"), "standard input: a folder of parts needs points"),
+        (
+            resume("points.csv"),
+            "points.csv: the points for a folder of parts must come from a file",
+        ),
+        (
+            resume("points.parquet"),
+            "points.parquet: the points for a folder of parts must come from a file",
+        ),
+        (resume("-"), "standard input: the points for a folder of parts must come from a file"),
     ] {
         let output = run(&args, dir.path());
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));

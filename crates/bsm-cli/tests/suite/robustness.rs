@@ -692,7 +692,7 @@ fn rounding_errors_are_not_printed_as_results() {
         let text = stdout(&run(&args, dir.path()));
         let tiny = text.split_whitespace().filter(|word| {
             let value = word.parse::<f64>().map_or(0.0, f64::abs);
-            // The residual and the power differences may be this small, because they consist only
+            // The residual and the power differences may be below 1e-11, because they consist only
             // of rounding errors.
             value > 0.0 && value < 1e-11
         });
@@ -701,7 +701,7 @@ fn rounding_errors_are_not_printed_as_results() {
         let tiny: Vec<_> = tiny.filter(|word| !by_nature.contains(word)).collect();
         assert!(tiny.is_empty(), "{show}: {tiny:?} in\n{text}");
     }
-    // Numbers in files must have all digits.
+    // In JSON output, numbers must keep all their digits, even if they are only rounding errors.
     let json = stdout(&run(&["solve", &example("feed_drive.json"), "--json"], dir.path()));
     let spin = json.lines().find(|line| line.contains("\"screw_spin_rad_s\":")).expect("there");
     assert!(spin.contains("e-"), "{spin}");

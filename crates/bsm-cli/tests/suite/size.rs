@@ -71,7 +71,8 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         let over_rod = number(results, "inertia_of_screw_kg_m2") / (mass * square / 8.0);
         assert!((1.0..1.05).contains(&over_rod), "{way}: {over_rod}");
         assert!(square.sqrt() * 1e3 < number(screw, "screw_outer_diameter_mm"), "{way}");
-        // The efficiency of the balls is 0.95 to 1. Bearings and seals add 0.8 N m to the torque.
+        // The efficiency of the ball contacts is 0.95 to 1. Bearings and seals add 0.8 N m to the
+        // torque.
         let ideal = load * lead * 1e-3 / std::f64::consts::TAU;
         let torque = number(results, "peak_motor_torque_Nm") - 0.8;
         assert!((0.95..1.0).contains(&(ideal / torque)), "{way}: {ideal} {torque}");
@@ -146,8 +147,8 @@ fn all_commands_report_the_same_efficiency_for_a_screw() {
             "{what}: {other}, solve {efficiency}"
         );
     };
-    // Both commands solve the same point with the same model, so they differ only by rounding
-    // errors of unit conversions.
+    // The compared commands solve the same point with the same model, so their efficiencies differ
+    // only by rounding errors of unit conversions.
     close("select", step("screw_efficiency"), 1e-9);
     let sheet = json(&run(&["axis", "screw.json", "--figures", "sheet", "--json"]));
     close("axis", number(&sheet["results"], "screw_efficiency"), 1e-9);
@@ -325,7 +326,7 @@ fn outputs_with_equal_names_have_equal_values_in_all_commands() {
         same(case, &[of("solve"), of("nut"), of("axis")])
     };
     both(&example("axis.json"), &["screw_temperature_rise_K=5"]);
-    // The feed drive is solved as a nut with a seal, with and without oil.
+    // The nut of the feed drive has a seal and is solved both with and without oil.
     for name in ["feed_drive.json", "feed_drive_oil.json"] {
         let drive: Value = json(&fs::read_to_string(example(name)).expect("an example"));
         let mut drive = drive.as_object().expect("an object").clone();
@@ -484,8 +485,8 @@ fn full_names_are_suggested_for_short_or_incomplete_names() {
     };
     for (typed, meant) in [
         ("eff", "did you mean `efficiency`? `bsm schema output` lists all outputs"),
-        // In this name, one word is missing. Earlier versions suggested a name with more similar
-        // spelling but a different meaning.
+        // The name `nut_pressure_MPa` lacks the word `max`. Earlier versions suggested a name with
+        // more similar spelling but a different meaning.
         ("nut_pressure_MPa", "did you mean `nut_max_pressure_MPa`?"),
         // All unknown names must be reported in one message.
         (

@@ -136,7 +136,7 @@ fn tables_contain_a_description_of_their_origin() {
         );
         assert_eq!(about["columns"]["ball_torque_Nm"]["unit"], "N m");
     }
-    // The SHA-256 hash is verified with another program.
+    // The SHA-256 hash is verified with an independent program.
     let hash =
         std::process::Command::new("sha256sum").arg(at("map.csv")).output().expect("sha256sum");
     let hash = String::from_utf8(hash.stdout).expect("text");
@@ -326,7 +326,7 @@ fn a_map_plot_shows_axis_labels_and_model_names() {
     // The image size in the PNG header must be twice the size of the SVG.
     let size = |at: usize| u32::from_be_bytes(head[at..at + 4].try_into().expect("four"));
     assert!(head.starts_with(b"\x89PNG") && (size(16), size(20)) == (1280, 800), "{head:?}");
-    // Curves must have a mark at each point where the model changes.
+    // Curves must be marked at each point where the model changes.
     let line =
         ["sweep", &drive, "--vary", "axial_load_N=100:20000:30:log", "--columns", "efficiency"];
     run(dir.path(), &[&line[..], &["--keep-going", "-o", "x.csv", "-o", "line.svg"]].concat(), 0);
@@ -417,8 +417,8 @@ fn sweep_columns_and_plots_use_display_units() {
     sweep(columns, &map);
     let map = fs::read_to_string(dir.path().join("a.map.svg")).expect("a map");
     assert!(map.contains("axial load, lbf") && map.contains("screw torque, lbf in"), "{map}");
-    // Parts of a folder and lookup tables always have metric units, because other programs read
-    // them.
+    // Dataset parts and lookup tables always use metric units, because other programs read these
+    // files.
     let folder =
         ["sweep", &case, "--vary", "axial_load_N=1000,2000", "--units", "inch", "-o", "parts/"];
     let (_, message) = run(dir.path(), &folder, 2);

@@ -251,8 +251,9 @@ impl Prior {
         Self { balls, turns, usual_ball, loaded_shares }
     }
 
-    /// Returns the factors of lead and nominal diameter in (AB3) with the largest likelihood, from
-    /// a grid whose spacing is one unit of the last digit of each factor.
+    /// Returns the pair of factors in (AB3), for lead and for nominal diameter, that has the
+    /// largest likelihood. The search grid has steps of 0.005 for the first factor and 0.001 for
+    /// the second factor.
     fn fitted_usual_ball(rows: &[KnownGroove]) -> (f64, f64) {
         let likelihood = |usual_ball: (f64, f64)| -> f64 {
             let trial = Self { usual_ball, ..Self::USUAL };
@@ -269,13 +270,15 @@ impl Prior {
         best.unwrap_or(Self::USUAL.usual_ball)
     }
 
-    /// Returns the distribution of the logarithm of the loaded share of a turn.
+    /// Returns the probability distribution of the logarithm of the loaded fraction of a turn, for
+    /// the given type of ball return.
     pub(super) fn ln_loaded_share(&self, kind: BallReturn) -> Normal {
         let (share, deviation) = self.loaded_shares[kind as usize];
         Normal { mean: share.ln(), deviation }
     }
 
-    /// Returns the prior probability of a ball return together with a number of loaded turns (AB5).
+    /// Returns the joint prior probability of a type of ball return and a number of loaded turns
+    /// (AB5).
     #[expect(clippy::cast_precision_loss, reason = "23 numbers of turns")]
     fn turns_prior(&self, kind: BallReturn, turns: f64) -> f64 {
         let weight = |(_, weights): &(f64, [f64; 3])| weights[kind as usize];
@@ -287,8 +290,8 @@ impl Prior {
         kind.probability() * ((1.0 - ALIKE_TURNS) * share + ALIKE_TURNS * alike)
     }
 
-    /// Returns the balls that fit a nominal diameter and a lead, each with the logarithm of its
-    /// popularity (AB4); lengths in mm.
+    /// Returns the ball diameters that are possible for a given nominal diameter and lead, each
+    /// with the logarithm of its prior weight (AB4); lengths in mm.
     #[expect(clippy::cast_precision_loss, reason = "33 balls")]
     pub(super) fn fitting_balls(
         &self,
@@ -313,8 +316,9 @@ impl Prior {
         ln_mixture(&BALL_SIZE, (ball / (of_lead * lead).min(of_diameter * nominal)).ln())
     }
 
-    /// Returns all pairs of loaded turns and ball return, each with the logarithm of its prior
-    /// probability. If the number of turns is given, only this number is used.
+    /// Returns all combinations of number of loaded turns and type of ball return, each with the
+    /// logarithm of its prior probability. If the number of turns is given, only this number is
+    /// used.
     pub(super) fn turns_and_returns(&self, given: Option<f64>) -> Vec<(f64, BallReturn, f64)> {
         let listed = self.turns.iter().map(|(turns, _)| *turns);
         let turns: Vec<f64> = given.map_or_else(|| listed.collect(), |turns| vec![turns]);
@@ -348,18 +352,18 @@ fn nearest_ball(diameter: f64) -> f64 {
 pub(super) struct RatingFit {
     /// Logarithm of the likelihood of the given ratings.
     pub(super) ln_likelihood: f64,
-    /// Logarithm of the loaded share of a turn.
+    /// Logarithm of the loaded fraction of a turn.
     pub(super) ln_loaded_share: f64,
     /// Excess `$e$` of the dynamic rating; `None` without a static rating.
     pub(super) excess: Option<f64>,
 }
 
 impl RatingFit {
-    /// Compares the given ratings with the ratings of a trial nut whose turns are full of balls
-    /// (AB1). `ln_dynamic` and `ln_static` are the logarithms of the given ratings divided by the
-    /// ratings of the trial nut.
+    /// Compares the given ratings with the ratings of a trial nut whose turns are completely filled
+    /// with balls (AB1). `ln_dynamic` and `ln_static` are the logarithms of the given ratings
+    /// divided by the ratings of the trial nut.
     ///
-    /// * `share`: distribution of the logarithm of the loaded share of a turn.
+    /// * `share`: probability distribution of the logarithm of the loaded fraction of a turn.
     pub(super) fn new(ln_dynamic: f64, ln_static: Option<f64>, share: Normal) -> Self {
         if let Some(ln_static) = ln_static {
             // e = r_a − ⅔ r₀                                              (AB1)
@@ -397,7 +401,8 @@ pub(super) fn ln_pitch_diameter(pitch_diameter: f64, nominal: f64, ball: f64) ->
     PITCH_RISE.ln_density((pitch_diameter - nominal) / ball) - ball.ln()
 }
 
-/// Converts standard normal numbers into the groove quantities that catalogs do not print (AB12).
+/// Converts standard normal random numbers into the groove quantities that catalogs do not print
+/// (AB12).
 pub(super) fn unprinted([conformity, angle, pitch, balls]: [f64; 4]) -> Unprinted {
     // f = 0.5 + 0.02 e^{0.35 z},  β = 45° + 2.5° z,  D_pw = d₀ + (0.25 + 0.03 z) D_w,  N e^{0.05 z}   (AB12)
     let at = |normal: Normal, z: f64| normal.mean + normal.deviation * z;
@@ -416,7 +421,7 @@ pub(super) struct Unprinted {
     pub(super) conformity: f64,
     /// Contact angle \[rad\].
     pub(super) contact_angle: f64,
-    /// Difference between pitch circle and nominal diameter, divided by the ball diameter.
+    /// Difference between pitch circle diameter and nominal diameter, divided by the ball diameter.
     pub(super) pitch_rise: f64,
     /// Random factor for the number of loaded balls.
     pub(super) loaded_balls_factor: f64,

@@ -56,8 +56,7 @@ impl<D: Scalar> Angles<D> {
     /// \eta_{rl} = \frac{\sin\beta - f(\cos\beta\cos\psi + \tan\alpha\sin\psi)}
     ///   {\sin\beta + f[\cos\psi\,(r_b/r_m - \cos\beta) + \sin\psi\,(1 - (r_b/r_m)\cos\beta)/\tan\alpha]}
     /// ```
-    ///
-    /// If the load back-drives the screw, the efficiency is the reciprocal of this expression.
+    /// If the load back-drives the screw, the efficiency is the reciprocal of the expression above.
     ///
     /// * `friction`: friction coefficient `$f \ge 0$`.
     /// * `size_ratio`: ratio of ball radius to pitch circle radius `$r_b/r_m$`.
@@ -191,9 +190,9 @@ impl Optimum {
     /// (\sin\beta^*\cos\alpha)^2 = y^* = \tfrac12\Big(1 \pm \frac{f}{\sqrt{1+f^2}}\Big), \qquad
     /// \eta^* = \big(\sqrt{1+f^2} - f\big)^2
     /// ```
-    ///
-    /// The upper sign applies to conversion from rotary to linear motion. Returns `None` if the
-    /// lead angle is too large: `$\sin\beta^* = \sqrt{y^*}/\cos\alpha > 1$`.
+    /// In the equation for `$y^*$`, the upper sign applies to conversion from rotary to linear
+    /// motion. The function returns `None` if the lead angle is too large: `$\sin\beta^* =
+    /// \sqrt{y^*}/\cos\alpha > 1$`.
     ///
     /// Source: roots of Equations 15 and 18 of Lin, Velinsky and Ravani (1994); the closed form was
     /// derived for this project.

@@ -23,9 +23,9 @@ pub trait FrictionLaw<D> {
     /// * `speed`: slip speed \[m/s\], positive.
     fn coefficient(&self, pressure: D, speed: D) -> D;
 
-    /// Returns the transition at which the friction coefficient changes its slope along a line
-    /// across a contact ellipse. Returns `None` if the coefficient depends neither on pressure nor
-    /// on speed; the integration then needs fewer nodes.
+    /// Returns the position at which the slope of the friction coefficient changes along a chord of
+    /// a contact ellipse (the transition). Returns `None` if the coefficient depends neither on
+    /// pressure nor on speed; the integration then needs fewer nodes.
     fn bend(&self) -> Option<Transition> {
         Some(Transition::SMOOTH)
     }

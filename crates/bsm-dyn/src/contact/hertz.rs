@@ -297,7 +297,7 @@ impl<D: Real> Axes<D> {
     #[inline(always)]
     fn solve(target: D, effort: Iterations) -> (Self, CurvatureEquation<D>) {
         // The starting value is κ ≈ (ρ_t/ρ_x)^{5/8}, which is similar to the formula of Brewe and
-        // Hamrock. For a circle, it is exact: κ = 1.
+        // Hamrock. For a circular contact, the starting value is exact: κ = 1.
         let mut q = (target * target.sqrt().sqrt()).sqrt().recip();
         for _ in 0..effort.steps {
             let at = CurvatureEquation::at(q, effort.agm_steps);
@@ -335,7 +335,7 @@ impl<D: Scalar> Axes<D> {
     }
 }
 
-/// Curvature ratios of ellipses that are calculated side by side.
+/// Curvature ratios of several contact ellipses that are calculated in parallel.
 struct SideBySide<const N: usize>([f64; N]);
 
 impl<const N: usize> WithSimd for SideBySide<N> {
@@ -453,7 +453,8 @@ mod tests {
         assert_relative_eq!(nut.flatness.recip(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
         // The reference states 1.88829920e-5 for this semi-axis. The quotient a/κ of the reference
-        // values differs from it by a relative amount of 2e-8, so the test uses the quotient.
+        // values differs from this number by a relative amount of 2e-8, so the test uses the
+        // quotient.
         assert_relative_eq!(nut.semi_axes(1.0).1, 1.888_299_23e-5, max_relative = 1e-8);
         assert_relative_eq!(nut.stiffness(), 2.445_283_496_7e10, max_relative = 1e-10);
         let screw = lin_contact(Raceway::Screw);

@@ -183,7 +183,7 @@ pub struct EntryStep {
 }
 
 impl EntryStep {
-    /// Returns the ratio of the force of the ball behind to the force of the ball ahead at the
+    /// Returns the ratio of the force from the ball behind to the force from the ball ahead at the
     /// moment when the ball lifts off its track (M21). Returns `None` if no force can lift the ball
     /// over the step.
     pub fn thrust_ratio(&self) -> Option<f64> {
@@ -283,8 +283,8 @@ mod tests {
             let corrected = equal.critical_friction_corrected();
             prop_assert!((equal.critical_friction() / corrected - 1.0).abs() <= 1e-12);
             prop_assert!((corrected * psi.cos() - tilt.abs().tan()).abs() <= 1e-14);
-            // The printed formula contains the sine instead of the cosine, which gives the friction
-            // component along the groove.
+            // The printed formula contains the sine, which gives the friction component along the
+            // groove, instead of the cosine.
             let [at_nut, at_screw] = equal.critical_friction_printed();
             prop_assert!((at_nut - psi.sin() * tilt.abs().tan()).abs() <= 1e-14);
             prop_assert!((at_nut - at_screw).abs() <= 1e-14);
@@ -324,8 +324,8 @@ mod tests {
     }
 
     /// Hand calculation: without friction, the thrust at an apex with a half angle of 45 degrees is
-    /// half of the impact force multiplied by √2. Friction increases the thrust by this value
-    /// multiplied by the friction coefficient.
+    /// half of the impact force multiplied by √2. Friction increases the thrust by the frictionless
+    /// thrust multiplied by the friction coefficient.
     #[test]
     fn thrust_at_the_groove_apex_matches_a_hand_calculation() {
         let thrust = apex_thrust(10.0, FRAC_PI_4, 0.1);

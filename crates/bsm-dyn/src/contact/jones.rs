@@ -21,16 +21,15 @@ impl<D: Scalar> Jones<D> {
     /// Returns the mean contact angle `$\beta = (\beta_A + \beta_B)/2$` \[rad\] and the axial
     /// displacement of the nut \[m\] for two approaches \[m\] and a tilt
     /// `$\nu = (\beta_B - \beta_A)/2$` \[rad\] (J7), (J8).
-    ///
-    /// This is the closed-form inverse of (J1) to (J5). With this inverse, the loads can serve as
-    /// unknowns, and a small tilt due to the inertia forces keeps all its significant digits.
+    /// The function is the closed-form inverse of (J1) to (J5). With this inverse, the loads can
+    /// serve as unknowns, and a small tilt due to the inertia forces keeps all its significant
+    /// digits.
     ///
     /// Source: Jones, *A General Theory for Elastically Constrained Ball and Radial Roller
     /// Bearings*, ASME J. Basic Eng. 82 (1960), applied to the groove arcs of a screw and a nut.
     ///
     /// # Errors
-    ///
-    /// Returns [`EvalError`] if no contact angles between 0 and π/2 have this tilt.
+    /// Returns [`EvalError`] if no contact angles between 0 and π/2 have the given tilt.
     pub(crate) fn deformed(&self, [nut, screw]: [D; 2], tilt: D) -> Result<(D, D), EvalError> {
         let both = self.nut_offset + self.screw_offset;
         let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
@@ -161,8 +160,8 @@ mod tests {
         ) {
             let (mean, displacement) = SCREW.deformed([nut, screw], tilt).unwrap();
             let (opposite, same) = SCREW.screw_angle([nut, screw], mean - tilt).unwrap();
-            // The tolerance exceeds the usual rounding errors, because a small angle is calculated
-            // from a cosine that hardly depends on it.
+            // The tolerance exceeds the usual rounding errors, because the cosine of a small angle
+            // hardly depends on the angle, so the angle is calculated inaccurately.
             assert_relative_eq!(opposite, mean + tilt, max_relative = 1e-13);
             assert_relative_eq!(same, displacement, epsilon = 1e-16);
         }

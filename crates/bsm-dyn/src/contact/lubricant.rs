@@ -23,10 +23,11 @@ pub struct Lubricant<D = f64> {
     pub boundary_friction: D,
     /// Roughness of the balls and grooves.
     pub roughness: Roughness<D>,
-    /// Ratio `$\varphi_s$` of the film thickness to the film thickness with sufficient oil supply,
-    /// positive.
+    /// Ratio `$\varphi_s$` of the actual film thickness to the film thickness with a sufficient oil
+    /// supply, positive.
     pub film_factor: D,
-    /// Ratio `$c_R \ge 0$` of the rolling force to the rolling force with fully flooded inlets.
+    /// Ratio `$c_R \ge 0$` of the actual rolling force to the rolling force with fully flooded
+    /// inlets.
     pub rolling_factor: D,
     /// Fraction `$c_h \ge 0$` of the elastic energy that is lost by hysteresis during rolling.
     pub hysteresis_loss: D,

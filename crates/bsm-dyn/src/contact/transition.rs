@@ -1,5 +1,5 @@
-//! Transition of the friction coefficient of an oil: the position on a line across a contact
-//! ellipse at which the slope of the coefficient changes.
+//! Transition of the friction coefficient of an oil: the position on a chord of a contact ellipse
+//! at which the slope of the coefficient changes.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equation (Y34).
 
@@ -12,7 +12,7 @@ use crate::contact::lubricant::oil::PRESSURE_SLOPE;
 /// Lower limit of the argument of the logarithm, which prevents a logarithm of zero.
 const TINY: f64 = 1e-300;
 
-/// Transition of the friction coefficient along a line across a contact ellipse. It occurs at the
+/// Transition of the friction coefficient along a chord of a contact ellipse. It occurs at the
 /// pressure at which the shear stress of the oil reaches about half of the Eyring stress.
 #[derive(Debug, Clone, Copy)]
 pub struct Transition {
@@ -28,10 +28,10 @@ impl Transition {
 
     /// Returns the pressure at the transition for a given slip speed, and the distance from this
     /// pressure to the complex poles of the friction coefficient. Both are divided by the maximum
-    /// pressure on the line.
+    /// pressure on the chord.
     ///
     /// * `square`: square of the slip speed.
-    /// * `part`: maximum pressure on the line, divided by the maximum pressure in the contact.
+    /// * `part`: maximum pressure on the chord, divided by the maximum pressure in the contact.
     #[inline(always)]
     pub(crate) fn line_pressure<S: Simd>(
         &self,

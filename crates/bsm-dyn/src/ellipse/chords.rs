@@ -1,5 +1,5 @@
-//! Lines across the contact ellipses at the nodes on the long axis, and the nodes along these
-//! lines.
+//! Chords of the contact ellipses at the quadrature nodes on the long axis, and the nodes along
+//! these chords.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T14), (T18), (T19).
 
@@ -9,14 +9,14 @@ use super::panels::{Nodes, Panels};
 use super::placement::{FrozenRule, InnerNodes, Placement};
 use super::slip::{EllipseSlip, half_length};
 
-/// A block of neighboring lines across a contact ellipse.
+/// A block of neighboring chords of a contact ellipse.
 #[derive(Clone, Copy)]
 pub(super) struct Chords {
-    /// Positions of the lines on the long axis, divided by the semi-axis, and the fraction of the
-    /// load that each line carries.
+    /// Positions of the chords on the long axis, divided by the semi-axis, and the fraction of the
+    /// load that each chord carries.
     pub(super) xi: Block,
     pub(super) weight: Block,
-    /// Half lengths of the lines, divided by the short semi-axis of the ellipse.
+    /// Half lengths of the chords, divided by the short semi-axis of the ellipse.
     pub(super) half_length: Block,
     pub(super) inner: InnerNodes,
 }
@@ -29,10 +29,10 @@ impl Chords {
         inner: InnerNodes { count: None, inside: None },
     };
 
-    /// Calculates the positions, load fractions and half lengths of the lines at a block of
-    /// quadrature nodes, and the numbers of nodes along the lines.
+    /// Calculates the positions, load fractions and half lengths of the chords at a block of
+    /// quadrature nodes, and the numbers of nodes along the chords.
     ///
-    /// * `frozen`: numbers of nodes along the lines, if they are already fixed.
+    /// * `frozen`: numbers of nodes along the chords, if they are already fixed.
     #[inline(always)]
     fn place<S: Simd>(
         &mut self,
@@ -58,18 +58,18 @@ impl Chords {
     }
 }
 
-/// Accumulates the contributions of lines across the contact ellipses.
+/// Accumulates the contributions of the chords of the contact ellipses.
 pub(super) trait AddChords<S: Simd> {
-    /// Adds the contributions of a block of lines to the sums of an ellipse.
+    /// Adds the contributions of a block of chords to the sums of an ellipse.
     fn add_chords(&mut self, simd: S, ellipse: usize, lines: &Chords);
 }
 
-/// Number of blocks of lines that are calculated before the first of them is summed. The processor
+/// Number of blocks of chords that are calculated before the first block is summed. The processor
 /// can then work on one block while it waits for the results of another.
 const BLOCKS_AHEAD: usize = 2;
 
-/// Passes the lines across the ellipses of two contacts to `sums`. Contacts for which `done` is
-/// true are skipped.
+/// Passes the chords of the two contact ellipses to `sums`. Contacts for which `done` is true are
+/// skipped.
 #[inline(always)]
 pub(super) fn for_each_chord<S: Simd>(
     simd: S,

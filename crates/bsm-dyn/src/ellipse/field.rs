@@ -88,8 +88,8 @@ mod tests {
         (ellipse, motion, slip)
     }
 
-    /// The sum of the local friction over a fine grid equals the friction force from the
-    /// quadrature.
+    /// The sum of the local friction over a fine grid equals the friction force that the quadrature
+    /// gives.
     #[test]
     fn local_friction_adds_up_to_the_friction_of_the_ellipse() {
         const STEPS: u32 = 600;

@@ -89,8 +89,8 @@ impl<S: Simd, const N: usize> Patch<Lane<S, N>> {
     }
 }
 
-/// Nodes along a block of lines on which the spin pole (the point without slip) is inside the
-/// contact ellipse.
+/// Nodes along a block of chords whose spin poles (the points without slip) are inside the contact
+/// ellipse.
 pub(super) struct NearPole<S: Simd> {
     /// Angular position and angular width of the spin pole.
     at: Lane<S>,
@@ -176,8 +176,8 @@ fn angle<S: Simd>(cos: Lane<S>) -> Lane<S> {
     cos.lt(zero).select(-angle + PI, angle)
 }
 
-/// Sums along a block of lines across the ellipse: J and K of (T21). With a lubricant, the sums
-/// also include derivatives with respect to the slip across the groove and to the film thickness.
+/// Sums along a block of chords of the ellipse: J and K of (T21). With a lubricant, the sums also
+/// include derivatives with respect to the slip across the groove and to the film thickness.
 #[derive(Clone, Copy)]
 pub(crate) struct Moments<S: Simd, const N: usize>(pub(super) [[Lane<S>; 3]; N]);
 
@@ -200,7 +200,7 @@ impl<S: Simd, const N: usize> Moments<S, N> {
 }
 
 /// A friction law that is evaluated at the points of an ellipse. It needs `N` kinds of sums along
-/// each line.
+/// each chord.
 pub(crate) trait PointLaw<const N: usize>: Copy {
     /// True if the friction coefficient depends on the film thickness.
     const FILM: bool;
@@ -227,10 +227,10 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         node: (Lane<S>, Lane<S>),
     );
 
-    /// Returns the sums along a block of lines whose spin poles are all outside the ellipse, and
-    /// the number of nodes per line.
+    /// Returns the sums along a block of chords whose spin poles are all outside the ellipse, and
+    /// the number of nodes per chord.
     ///
-    /// * `inner`: number of nodes that each line needs for a constant friction coefficient.
+    /// * `inner`: number of nodes that each chord needs for a constant friction coefficient.
     fn along<S: Simd, const JACOBIAN: bool>(
         &self,
         simd: S,
@@ -244,7 +244,7 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
     fn variants<S: Simd>(inner: Moments<S, N>, square: Lane<S>) -> [[Lane<S>; 3]; 4];
 
     /// Integrates friction over the whole ellipse at once if this is more efficient than
-    /// integrating along lines. Returns false if lines must be used.
+    /// integrating along chords. Returns false if friction must be integrated along chords.
     #[inline(always)]
     fn all_over<S: Simd, const JACOBIAN: bool>(
         _simd: S,
@@ -280,7 +280,7 @@ impl Dry {
         }
     }
 
-    /// Adds the contributions of nodes that have the same positions on all lines.
+    /// Adds the contributions of nodes that have the same positions on all chords.
     #[inline(always)]
     fn add_all<S: Simd, const JACOBIAN: bool, const COARSE: bool>(
         to: &mut Moments<S, 2>,
@@ -349,7 +349,7 @@ pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S
     sums[2] = first.mul_add(s, sums[2]);
 }
 
-/// An accumulator for the sums over all lines of two contacts. The sums for the derivatives are
+/// An accumulator for the sums over all chords of two contacts. The sums for the derivatives are
 /// accumulated only if `JACOBIAN` is true.
 pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     pub(super) nodes: &'a [Placement<'a>; 2],
@@ -361,13 +361,13 @@ pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     values: [[Block; VALUES]; 2],
     slopes: &'a mut [[Block; ALL - VALUES]],
     by_film: &'a mut [[Block; SUMS]],
-    /// Number of nodes on all lines. Nodes that are processed together in one SIMD vector count as
+    /// Number of nodes on all chords. Nodes that are processed together in one SIMD vector count as
     /// one node.
     pub(super) count: usize,
 }
 
-/// Function object that calculates the sums along a block of lines whose spin poles are inside the
-/// ellipse. Such lines are rare, so their code is separate.
+/// Function object that calculates the sums along a block of chords whose spin poles are inside the
+/// ellipse. Such chords are rare, so their code is separate.
 struct NearChords<'a, S: Simd, L, const N: usize, const JACOBIAN: bool> {
     simd: S,
     rule: &'a Quadrature,
@@ -440,7 +440,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> AddChords<S>
 }
 
 impl<L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Accumulator<'_, L, N, JACOBIAN> {
-    /// Adds the sums along a block of lines to the totals.
+    /// Adds the sums along a block of chords to the totals.
     #[inline(always)]
     pub(super) fn add_line<S: Simd>(
         &mut self,
@@ -470,7 +470,7 @@ impl<L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Accumulator<'_, L, N,
 /// is true; otherwise they are zero.
 ///
 /// * `laws`, `nodes`: friction law and quadrature nodes of each contact.
-/// * `done`: contacts that are not calculated.
+/// * `done`: flags that are true for contacts that are not calculated.
 #[inline(always)]
 pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     simd: S,
@@ -541,10 +541,10 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
 /// Semi-axes of an ellipse, and the slip over this ellipse.
 pub(super) type Shape<'a, S> = ((Lane<S>, Lane<S>), &'a EllipseSlip<Lane<S>>);
 
-/// A block of lines across a contact ellipse.
+/// A block of chords of a contact ellipse.
 pub(crate) struct Chord<S: Simd> {
-    /// Positions of the lines on the long axis, fractions of the load that the lines carry, and
-    /// half lengths of the lines.
+    /// Positions of the chords on the long axis, fractions of the load that the chords carry, and
+    /// half lengths of the chords.
     pub(super) xi: Lane<S>,
     pub(super) weight: Lane<S>,
     pub(super) half_length: Lane<S>,
@@ -590,7 +590,7 @@ impl<S: Simd> Chord<S> {
     }
 
     /// Calculates the contributions to friction force, moment and power and, if `JACOBIAN` is true,
-    /// the contributions to their derivatives. The arguments are the sums J and K along the lines,
+    /// the contributions to their derivatives. The arguments are the sums J and K along the chords,
     /// and the sums for derivatives with respect to the slip across the groove (T23).
     #[inline(always)]
     pub(super) fn terms<const JACOBIAN: bool>(
@@ -645,10 +645,11 @@ impl<F: Real> Resultants<F> {
     #[inline(always)]
     pub(super) fn of(all: [F; ALL], point: &Patch<F>) -> Self {
         let [f_t, f_c, m_t, m_n, m_c, power, all @ ..] = all;
-        // These elements are the sums of T_v, T_b and C_b, and of their products with h and h².
+        // The next nine elements are the sums of T_v, T_b and C_b, and of their products with h and
+        // h².
         let [t_v, t_vh, t_vhh, t_b, t_bh, t_bhh, c_b, c_bh, c_bhh, all @ ..] = all;
-        // These elements are the sums of T_n and C_n, of their products with h, and of the moment
-        // due to spin.
+        // The last five elements are the sums of T_n and C_n, of their products with h, and of the
+        // moment due to spin.
         let [t_n, t_nh, c_n, c_nh, n_n] = all;
         let ([_, w_t, w_n, w_c], r) = (point.motion, point.ball_radius);
         // If the ellipse grows, x and Y grow by the same factor, and the distance h changes by dh =

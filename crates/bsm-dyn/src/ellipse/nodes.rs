@@ -26,7 +26,7 @@ pub(super) fn nodes(
 
 struct ListNodes<'a>(&'a Patch, Placement<'a>, Option<&'a Transition>);
 
-/// A collector of the quadrature nodes on all lines across the ellipse.
+/// A collector of the quadrature nodes on all chords of the ellipse.
 struct NodeCollector<'a> {
     rule: &'a Quadrature,
     slip: EllipseSlip<f64>,

@@ -1,4 +1,4 @@
-//! Friction sums over a lubricated contact ellipse, with derivatives, for several lines at once.
+//! Friction sums over a lubricated contact ellipse, with derivatives, for several chords at once.
 //!
 //! The friction law is the same as in [`MixedFriction`](crate::lubrication::MixedFriction). Tests
 //! compare both implementations. Theory: `docs/theory/17-lubricant.md`, equations (Y11) to (Y13)
@@ -95,7 +95,7 @@ impl PolarRule {
     }
 }
 
-/// Nodes on one half of each line, in the variable `$t = \sqrt{1 - |s|}$`. As a function of this
+/// Nodes on one half of each chord, in the variable `$t = \sqrt{1 - |s|}$`. As a function of this
 /// variable, the pressure is smooth at both ends.
 pub(super) struct HalfChord<S: Simd> {
     at: Lane<S>,
@@ -104,20 +104,20 @@ pub(super) struct HalfChord<S: Simd> {
     length: Lane<S>,
 }
 
-/// A quadrature node on the half of a line with positive s. The other half has a corresponding node
-/// at -s.
+/// A quadrature node on the half of a chord with positive s. The other half has a corresponding
+/// node at -s.
 pub(super) struct HalfNode<S: Simd> {
-    /// Position of the node along the line, and pressure divided by the maximum pressure on the
-    /// line.
+    /// Position of the node along the chord, and pressure divided by the maximum pressure on the
+    /// chord.
     pub(super) s: Lane<S>,
     pub(super) pressure: Lane<S>,
-    /// Fraction of the line load that is assigned to this node.
+    /// Fraction of the chord's load that is assigned to this node.
     pub(super) weight: Lane<S>,
 }
 
 impl<S: Simd> HalfChord<S> {
-    /// Places the nodes on the lines at `xi` so that they are concentrated at the transition of the
-    /// friction coefficient.
+    /// Places the nodes on the chords at `xi` so that they are concentrated at the transition of
+    /// the friction coefficient.
     #[inline(always)]
     pub(super) fn of(bend: &Transition, slip: &EllipseSlip<Lane<S>>, xi: Lane<S>) -> Self {
         let half_length = half_length(xi);
@@ -274,8 +274,8 @@ impl PointLaw<4> for OilLaw {
         kinds
     }
 
-    /// Integrates friction on rings of equal pressure if rings need fewer nodes than lines. Returns
-    /// false if lines must be used.
+    /// Integrates friction on rings of equal pressure if rings need fewer nodes than chords.
+    /// Returns false if friction must be integrated along chords.
     #[inline(always)]
     fn all_over<S: Simd, const JACOBIAN: bool>(
         simd: S,

@@ -31,9 +31,9 @@ pub(super) struct Panels<'a> {
     pub(super) split: [[bool; 2]; 2],
 }
 
-/// A block of quadrature nodes on the long axis. The fields are positions and weights on [0, 1],
-/// start and length of the panel of each node in the variable of (T17), and position and width of
-/// the pole of this panel.
+/// A block of quadrature nodes on the long axis. For each node, the fields contain its position and
+/// weight on [0, 1], the start and length of its panel in the variable of (T17), and the position
+/// and width of the pole of this panel.
 #[derive(Default)]
 pub(super) struct Nodes {
     abscissa: Block,
@@ -52,7 +52,7 @@ struct PolesOfBoth<'a> {
 }
 
 impl WithSimd for PolesOfBoth<'_> {
-    /// The first poles of both contacts, and the second poles of both contacts.
+    /// First pole of each contact, and second pole of each contact.
     type Output = [(Pole<Block>, Block); 2];
 
     #[inline(always)]
@@ -93,8 +93,8 @@ impl<'a> Panels<'a> {
         slips: &[EllipseSlip<f64>; 2],
         done: [bool; 2],
     ) -> Self {
-        // Poles need not be checked for splitting if the nodes are frozen, or if the nodes are the
-        // coarse nodes that are used before the solver has converged.
+        // Panels are not split at poles if the nodes are frozen, or if the coarse nodes are used
+        // because the solver has not converged yet.
         let may_split = |nodes: &Placement<'_>| !nodes.coarse && nodes.frozen().is_none();
         let near = nodes.iter().any(may_split);
         let poles = for_few(simd, PolesOfBoth { slips, near });
@@ -182,7 +182,7 @@ impl<'a> PanelNodes<'a> {
         })
     }
 
-    /// Returns the next block of nodes if the current panel ends within this block.
+    /// Returns the next block of nodes if the current panel ends within the block.
     fn of_several_panels(&mut self) -> Nodes {
         let mut all = Nodes::default();
         let (mut panel, mut abscissa) = (self.panel(), 0.0);
@@ -213,8 +213,8 @@ impl<'a> PanelNodes<'a> {
 }
 
 impl Nodes {
-    /// Returns the positions of a block of lines on the long axis, starting with line `i`, and the
-    /// fraction of the load that each line carries.
+    /// Returns the positions of a block of chords on the long axis, starting with chord `i`, and
+    /// the fraction of the load that each chord carries.
     #[inline(always)]
     pub(super) fn lines<S: Simd>(&self, simd: S, i: usize) -> (Lane<S>, Lane<S>) {
         let Self { abscissa, part, from, length, at, width } = self;
@@ -225,7 +225,7 @@ impl Nodes {
     }
 }
 
-/// Returns the position of a line on the long axis and the fraction of the load that this line
+/// Returns the position of a chord on the long axis and the fraction of the load that this chord
 /// carries. The arguments are a node in the variable of (T17) and the weight of this node.
 #[inline(always)]
 pub(super) fn line<S: Simd, const N: usize>(

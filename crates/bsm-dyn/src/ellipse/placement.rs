@@ -1,5 +1,5 @@
 //! Number and positions of the quadrature nodes over an ellipse. The nodes either depend on the
-//! slip or are kept from a previous slip.
+//! current slip or are kept from an evaluation with a previous slip.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T18), (T19).
 
@@ -16,18 +16,18 @@ use super::slip::EllipseSlip;
 pub(crate) enum FrozenRule {
     /// Number of blocks of angles on half a ring, for integration on rings.
     Rings(usize),
-    /// Flags that mark the poles at which a panel is split, and the nodes of all lines.
+    /// Flags that mark the poles at which a panel is split, and the nodes of all chords.
     Lines([bool; 2], Vec<InnerNodes>),
 }
 
-/// Numbers of nodes along a block of neighboring lines.
+/// Numbers of nodes along a block of neighboring chords.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct InnerNodes {
-    /// Number of nodes on each line; `None` if the spin poles of all lines in the block are inside
-    /// the contact ellipse.
+    /// Number of nodes on each chord; `None` if the spin poles of all chords in the block are
+    /// inside the contact ellipse.
     pub(super) count: Option<usize>,
-    /// Mask that is 1 for each line whose spin pole is inside the contact ellipse, and 0 for other
-    /// lines; `None` if there is no such line.
+    /// Mask that is 1 for each chord whose spin pole is inside the contact ellipse, and 0 for other
+    /// chords; `None` if there is no such chord.
     pub(super) inside: Option<Block>,
 }
 
@@ -49,7 +49,7 @@ impl<'a> Placement<'a> {
     }
 
     /// If a frozen rule exists, returns the flags that mark the poles at which a panel is split,
-    /// and the nodes of the lines.
+    /// and the nodes of the chords.
     pub(super) fn lines(&self) -> (Option<[bool; 2]>, &'a [InnerNodes]) {
         match self.frozen() {
             Some(FrozenRule::Lines(split, lines)) => (Some(*split), lines),
@@ -62,7 +62,7 @@ impl<'a> Placement<'a> {
         self.frozen_rule.is_some_and(|rule| rule.get().is_none())
     }
 
-    /// Returns the numbers of nodes along neighboring lines with the given `$\sinh^2\eta$`.
+    /// Returns the numbers of nodes along neighboring chords with the given `$\sinh^2\eta$`.
     #[inline(always)]
     pub(super) fn along(&self, squares: &Block) -> InnerNodes {
         let rule = self.rule;
@@ -99,7 +99,7 @@ impl<'a> Placement<'a> {
     }
 
     /// Returns the number of blocks of angles on half a ring, or zero if friction is integrated
-    /// along lines.
+    /// along chords.
     pub(super) fn angle_blocks(&self, slip: &EllipseSlip<f64>) -> usize {
         match self.frozen() {
             Some(FrozenRule::Rings(blocks)) => *blocks,

@@ -16,9 +16,8 @@ use crate::contact::MixedFriction;
 /// Returns the friction power, divided by `$f Q$`, of several contacts side by side. Also returns a
 /// mask that is true for contacts where the quadrature is accurate without splitting panels. The
 /// results equal those of `Ellipse::friction`.
-///
 /// The quadrature must have [`BLOCK`] nodes per panel, because only then does `Ellipse::friction`
-/// also process the lines of a panel together.
+/// also process the chords of a panel together.
 #[inline(always)]
 pub fn power_of_many<S: Simd, const N: usize>(
     rule: &Quadrature,
@@ -52,11 +51,11 @@ pub fn power_of_many<S: Simd, const N: usize>(
 /// Maximum number of contacts that are processed side by side.
 const MAX_CONTACTS: usize = 4 * BLOCK;
 
-/// Adds the friction power along the lines of one panel.
+/// Adds the friction power along the chords of one panel.
 ///
-/// * `lines`: positions of the lines on the long axis, and fractions of the load that the lines
+/// * `lines`: positions of the chords on the long axis, and fractions of the load that the chords
 ///   carry.
-/// * `square`: smallest `$\sinh^2\eta$` of the lines (T18).
+/// * `square`: smallest `$\sinh^2\eta$` of the chords (T18).
 #[inline(always)]
 fn add_power<S: Simd, const N: usize>(
     rule: &Quadrature,
@@ -91,9 +90,9 @@ fn add_power<S: Simd, const N: usize>(
     power
 }
 
-/// Returns the friction powers at nut and screw, divided by `$Q$`, for several points. They are
-/// calculated twice: with the oil films, and with a friction coefficient of one. The nodes of one
-/// point already fill the SIMD vectors, so the points are processed one after the other.
+/// Returns the friction powers at nut and screw, divided by `$Q$`, for several points. The powers
+/// are calculated twice: with the oil films, and with a friction coefficient of one. The nodes of
+/// one point already fill the SIMD vectors, so the points are processed one after the other.
 ///
 /// * `laws`: friction laws of the oil films at nut and screw.
 /// * `wanted`: mask of the points to calculate. The results for other points are NaN.

@@ -12,24 +12,24 @@ use gauss_quad::GaussLegendre;
 
 use super::slip::{EllipseSlip, Pole};
 
-/// Maximum number of nodes along a line. If a line needs more nodes, its spin pole counts as inside
-/// the ellipse.
+/// Maximum number of nodes along a chord. If a chord needs more nodes, its spin pole counts as
+/// inside the ellipse.
 pub(super) const MAX_INNER_NODES: usize = 24;
 
-/// Number of nodes along a line whose spin pole is inside the ellipse, for evaluations that only
+/// Number of nodes along a chord whose spin pole is inside the ellipse, for evaluations that only
 /// provide a starting value.
 pub(super) const UNRESOLVED: usize = 8;
 
-/// Maximum number of nodes along a line for an oil. If a line needs more nodes, its spin pole
+/// Maximum number of nodes along a chord for an oil. If a chord needs more nodes, its spin pole
 /// counts as inside the ellipse, and the number of nodes does not depend on the slip.
 const MAX_LUBRICATED_NODES: usize = 6;
 
 /// Maximum number of rings of equal pressure. If more rings were needed for an oil, integration
-/// along lines would be more efficient.
+/// along chords would be more efficient.
 pub(super) const MAX_RINGS: usize = 2 * BLOCK;
 
 /// Maximum number of blocks of angles on half a ring. If more blocks were needed for an oil,
-/// integration along lines would be more efficient.
+/// integration along chords would be more efficient.
 const MAX_BLOCKS: usize = 4;
 
 /// Returns the fraction of a ring that each node represents.
@@ -51,17 +51,17 @@ pub struct Quadrature {
     /// Gauss-Legendre nodes of a whole panel, and of each part of a split panel.
     pub(super) panel: Gauss,
     pub(super) part: Gauss,
-    /// Nodes along a line on each side of a spin pole inside the ellipse, and nodes along half a
-    /// line for an oil.
+    /// Nodes along a chord on each side of a spin pole inside the ellipse, and nodes along half a
+    /// chord for an oil.
     pub(super) near: Gauss,
     pub(super) half: Gauss,
-    /// Cosines and sines of the angles on half a ring, for an oil. The entries have 1, 2, ...
-    /// blocks of [`BLOCK`] angles.
+    /// Cosines and sines of the angles on half a ring, for an oil. The first entry has one block of
+    /// [`BLOCK`] angles, the second entry has two blocks, and so on.
     pub(super) angles: Vec<[Vec<f64>; 2]>,
     /// For each number of angles, the minimum `$\cosh\eta$` of a pole for which this number of
     /// angles is sufficient. The minimum decreases with the number of angles.
     ring_pole_distance: Vec<f64>,
-    /// Nodes and weights along a line, indexed by the number of nodes (T19).
+    /// Nodes and weights along a chord, indexed by the number of nodes (T19).
     pub(super) inner: &'static [Vec<(f64, f64)>],
     /// For each number of nodes, the minimum `$\sinh^2\eta$` (T18) for which this number of nodes
     /// is sufficient. The minimum decreases with the number of nodes.
@@ -160,7 +160,7 @@ fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Maximum number of additional nodes along a line, beyond the number that the accuracy requires.
+/// Maximum number of additional nodes along a chord, beyond the number that the accuracy requires.
 const MAX_EXTRA_NODES: usize = 1;
 
 /// Results of [`chebyshev`], indexed by the number of nodes. All quadrature rules share this table,
@@ -183,8 +183,8 @@ impl Quadrature {
     }
 
     /// Returns a quadrature rule for an oil. Because the friction coefficient of an oil has a
-    /// transition along each line, each half of a line has its own nodes, and lines with a nearby
-    /// spin pole have many nodes.
+    /// transition along each chord, each half of a chord has its own nodes, and chords with a
+    /// nearby spin pole have many nodes.
     pub fn of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
         Self::lubricated(2 * nodes, 3 * nodes / 4, accuracy)
@@ -215,7 +215,7 @@ impl Quadrature {
     }
 
     /// Returns a sufficient number of blocks of angles on half a ring for a given slip. The result
-    /// is zero if the poles are so close that integration along lines is more efficient.
+    /// is zero if the poles are so close that integration along chords is more efficient.
     pub(super) fn angle_blocks(&self, slip: &EllipseSlip<f64>) -> usize {
         let pole_distance = slip.poles().map(|Pole { at, width }| {
             // |z − 1| + |z + 1| = 2 cosh η for a pole z
@@ -253,8 +253,8 @@ impl Quadrature {
     }
 
     /// Returns the coarser rule for the error estimate. It has fewer nodes per panel, but one more
-    /// node along each line. With equal numbers of nodes along the lines, both rules would have
-    /// equal errors along the lines, and the estimate would not detect these errors.
+    /// node along each chord. With equal numbers of nodes along the chords, both rules would have
+    /// equal errors along the chords, and the estimate would not detect these errors.
     pub(crate) fn coarser(accuracy: f64) -> Self {
         Self::with(part_of_panel(Self::nodes(accuracy)), accuracy, 1)
     }
@@ -280,8 +280,8 @@ impl Quadrature {
         }
     }
 
-    /// Returns the number of nodes for a line with the given `$\sinh^2\eta$`, or `None` if the spin
-    /// pole is so close that the maximum number is not sufficient.
+    /// Returns the number of nodes for a chord with the given `$\sinh^2\eta$`, or `None` if the
+    /// spin pole is so close that the maximum number is not sufficient.
     pub(super) fn count(&self, square: f64) -> Option<usize> {
         // The limits decrease with the number of nodes, so the number is found without branches by
         // counting the limits that are exceeded.

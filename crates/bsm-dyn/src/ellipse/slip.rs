@@ -43,8 +43,8 @@ pub(super) fn clamp<F: Real>(x: F, low: f64, high: f64) -> F {
     F::select(x.lt(low), low, F::select(high.lt(x), high, x))
 }
 
-/// Returns half the length of the line across the ellipse at a position on the long axis, divided
-/// by the short semi-axis.
+/// Returns half the length of the chord of the ellipse at a position on the long axis, divided by
+/// the short semi-axis.
 #[inline(always)]
 pub(super) fn half_length<F: Real>(xi: F) -> F {
     ((-xi + 1.0) * (xi + 1.0)).larger(xi.constant(0.0)).sqrt()
@@ -109,7 +109,7 @@ impl<F: Real> EllipseSlip<F> {
         self.across_at(xi, half_length(xi))
     }
 
-    /// Returns the same coefficients as [`across`](Self::across) for a line whose [`half_length`]
+    /// Returns the same coefficients as [`across`](Self::across) for a chord whose [`half_length`]
     /// is already known.
     #[inline(always)]
     pub(super) fn across_at(&self, xi: F, half_length: F) -> (F, F) {
@@ -125,7 +125,7 @@ impl<F: Real> EllipseSlip<F> {
     }
 
     /// Returns `$\sinh^2\eta$`, where `$\eta$` describes the ellipse of analyticity of the
-    /// integrand along the line at `xi`.
+    /// integrand along the chord at `xi`.
     #[inline(always)]
     pub(super) fn analyticity(&self, xi: F) -> F {
         let v_t = self.along(xi);
@@ -184,7 +184,7 @@ impl<F: Real> EllipseSlip<F> {
 }
 
 impl<F: Copy> EllipseSlip<F> {
-    /// Combines corresponding numbers of two [`EllipseSlip`] values.
+    /// Combines corresponding fields of two [`EllipseSlip`] values with a function.
     #[inline(always)]
     pub(super) fn zip<G: Copy, H>(
         &self,

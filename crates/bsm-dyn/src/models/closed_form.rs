@@ -290,7 +290,7 @@ mod tests {
                 let psi = angles.screw_slip_angle(direction);
                 let at = angles.efficiency_at(direction, f, size, psi);
                 let eta = angles.efficiency(direction, f);
-                // Rounding errors are amplified near self-locking, where both efficiencies approach
+                // Rounding errors are amplified near self-locking, where the efficiency approaches
                 // zero.
                 prop_assert!((at - eta).abs() <= 1e-11 * (1.0 + eta.abs()), "{at} {eta}");
             }

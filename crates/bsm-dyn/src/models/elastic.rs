@@ -120,8 +120,7 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
     /// Returns the residuals of the seven equations (P5).
     ///
     /// # Errors
-    ///
-    /// Returns the errors of [`state`](Self::state).
+    /// Returns an error if [`state`](Self::state) fails.
     fn residual<D: Over<P>>(
         &self,
         y: &[D; BALL_UNKNOWNS],

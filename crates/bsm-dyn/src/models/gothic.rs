@@ -162,7 +162,7 @@ const ROOT_RESIDUAL: f64 = 1e-10;
 /// the fewest Newton steps.
 const SPIN_STOP_RATIO: f64 = 0.2;
 
-/// Largest ratio of axial force to largest normal load at which the axial force counts as a
+/// Largest ratio of axial force to largest normal load at which the axial force is treated as a
 /// rounding error.
 const AXIAL_FORCE_TOL: f64 = 1e-9;
 
@@ -663,7 +663,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
         Ok(Performance { efficiency, screw_torque: Some(screw_torque) })
     }
 
-    /// Returns the inputs without derivatives.
+    /// Returns a copy of the inputs in plain numbers, without derivatives.
     fn values(&self) -> GothicBall {
         GothicBall {
             screw: self.screw.values(),

@@ -14,7 +14,7 @@ use crate::models::lubricated::{LubricatedBall, LubricatedModel};
 use crate::models::traction::Traction;
 use crate::models::workspace::ModelWorkspace;
 
-/// A lubricated ball in gothic arches with a given fit.
+/// A lubricated ball in gothic arches with a given axial play, radial gap and oversize.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LubricatedArch<D = f64> {
     /// Lubricated ball that touches only the two loaded flanks.

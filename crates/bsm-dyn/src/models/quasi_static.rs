@@ -80,9 +80,8 @@ impl<D: Real> TwoContacts<D> {
     ///   {\sin\beta + f(r_b/r_m \mp \cos\beta) + \tan\rho/\tan\alpha}, \qquad
     /// \tan\rho = \frac{f_r}{r_b\sin\beta}
     /// ```
-    ///
-    /// The upper sign and `$\epsilon = 0$` apply if the screw rotates. The lower sign and
-    /// `$\epsilon = 2\cos\beta$` apply if the nut rotates.
+    /// In the equations above, the upper sign and `$\epsilon = 0$` apply if the screw rotates. The
+    /// lower sign and `$\epsilon = 2\cos\beta$` apply if the nut rotates.
     ///
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 1-4.
     #[inline(always)]
@@ -140,9 +139,8 @@ impl<D: Scalar> QuasiStatic<D> {
     /// apply.
     ///
     /// # Errors
-    ///
     /// Returns [`Reason::DualDrive`] if both bodies rotate, and [`Reason::FrictionHoldsLoad`] if
-    /// friction holds any axial load.
+    /// friction alone can hold any axial load.
     fn load_ratio(&self, contacts: &TwoContacts<D>) -> Result<D, SolveFailure> {
         if self.driven == DrivenBody::Both {
             return Err(SolveFailure::invalid(Reason::DualDrive));

@@ -327,8 +327,9 @@ impl RacewayWorkspace {
         })
     }
 
-    /// Returns the steady state of a rolling ball with information about other solutions: their
-    /// number, and the efficiency that differs most from the efficiency of this steady state.
+    /// Returns the steady state of a rolling ball with information about other solutions: the
+    /// number of these solutions, and the efficiency that differs most from the efficiency of this
+    /// steady state.
     pub(crate) fn with_alternatives(
         &mut self,
         screw: &ElasticPoint,
@@ -580,7 +581,7 @@ mod tests {
              by neither ball: {neither}; wrongly decided: {missed}"
         );
         assert_eq!(missed, 0);
-        assert!(both + neither > 0, "criterion (W7) is clear at all random points");
+        assert!(both + neither > 0, "criterion (W7) is unambiguous at all random points");
     }
 
     #[test]

@@ -73,9 +73,9 @@ pub struct RigidSystem {
 }
 
 impl RigidSystem {
-    /// Creates the equations at an operating point in scaled units (multiples of the ball radius,
-    /// the axial load per ball and the relative speed). Returns `None` without friction or without
-    /// relative speed.
+    /// Creates the equations at an operating point in scaled units, which are based on the ball
+    /// radius, the axial load per ball and the relative speed. Returns `None` without friction or
+    /// without relative speed.
     pub fn of(case: &Rigid) -> Option<Self> {
         let ball = case.ball().ok()?;
         let first = ball.first_order();
@@ -103,8 +103,8 @@ impl RigidSystem {
 equations!(RigidSystem, BALL_UNKNOWNS, RigidSystem::residual_at, EQUATION_NAMES);
 
 impl<D: Scalar> Rigid<D> {
-    /// Returns the operating point in scaled units, which are multiples of the ball radius, the
-    /// axial load per ball and the relative speed.
+    /// Returns the operating point in scaled units, which are based on the ball radius, the axial
+    /// load per ball and the relative speed.
     ///
     /// # Errors
     ///
@@ -157,8 +157,8 @@ impl Rigid {
     }
 
     /// Returns all steady states on the branch of increasing inertia that begins at a ball without
-    /// inertia. [`solve`](Self::solve) returns the first one. It counts the others only if it needs
-    /// to follow the branch for another reason.
+    /// inertia. [`solve`](Self::solve) returns only the first of these states. It counts the other
+    /// states only if it has to follow the branch anyway.
     ///
     /// # Errors
     ///

@@ -200,7 +200,7 @@ mod tests {
         let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
         let loose = ball.at([-1e-6, -1e-6], 0.0);
         assert_eq!((loose.load, loose.energy, loose.force), (0.0, 0.0, [0.0; 2]));
-        // A ball whose radius is 1 µm larger has no gap and carries a load.
+        // If the radius of the ball is 1 µm larger, the ball has no gap and carries a load.
         assert!(ball.at([-1e-6, -1e-6], 1e-6).load > 0.0);
         assert!(ball.under_axial_load(-1.0, 0.1).is_err());
     }

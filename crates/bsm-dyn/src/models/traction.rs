@@ -199,7 +199,7 @@ impl Traction {
     }
 
     /// Returns all steady states on the branch of increasing inertia that begins at a ball without
-    /// inertia. They contain neither error bounds nor skid numbers.
+    /// inertia. These states contain neither error bounds nor skid numbers.
     ///
     /// # Errors
     ///
@@ -259,8 +259,8 @@ impl<'a> Start<'a> {
         contacts: &'a ElasticContacts,
         rolling_ball: Option<&RollingBall>,
     ) -> Result<Self, SolveFailure> {
-        // If the centrifugal force is too large for the estimate of a rolling ball, a ball without
-        // inertia is used.
+        // If the centrifugal force is too large for the estimate of a rolling ball, the estimate
+        // for a ball without inertia is used.
         let guess = || {
             RollingBall::guess(contacts)
                 .or_else(|_| RollingBall::guess(&contacts.with_inertia(0.0)))
@@ -287,7 +287,8 @@ pub(crate) struct SlipResult {
 #[derive(Debug)]
 struct NotFound {
     failure: SolveFailure,
-    /// Root that the search found but that could not be refined with this accuracy, if any.
+    /// Root that the search found but that could not be refined with the requested accuracy, if
+    /// any.
     near: Option<Box<SlipRoot>>,
     /// Number of Newton steps of the search.
     steps: usize,

@@ -314,8 +314,8 @@ fn contact_angles_change_continuously_with_speed() {
                 Status::Converged => {
                     assert!(!left, "{screw:?} {inertia}");
                     let angle = solution.contact(Site::Nut).expect("a contact").angle;
-                    // The inertia ratio changes by about 1 % per step. A fold would cause a jump of
-                    // the contact angle by tenths of a radian.
+                    // The inertia ratio changes by about 1 % per step. A fold would cause the
+                    // contact angle to jump by tenths of a radian.
                     let step = before.map_or(0.0, |before| before - angle);
                     assert!((-1e-9..0.03).contains(&step), "{screw:?} {inertia} {step}");
                     before = Some(angle);

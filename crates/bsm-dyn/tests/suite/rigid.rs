@@ -190,8 +190,8 @@ fn first_order_solution_does_not_exclude_roots_at_large_inertia() {
         .result
         .expect_err("an isolated root");
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
-    // This operating point has no root either, but the first-order solution alone does not exclude
-    // a root.
+    // The operating point `pulling` has no root, but the first-order solution alone does not
+    // exclude a root.
     let none =
         Rigid { point: pulling }.solve(&mut RigidWorkspace::default()).result.expect_err("no root");
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
@@ -276,7 +276,8 @@ fn efficiency_at_extreme_inertia_equals_the_large_inertia_limit() {
         let eta = expect_solution(&OperatingPoint { load: Load { axial, balls: 1.0 }, ..lin() })
             .transmission
             .efficiency;
-        // The difference from the limit is proportional to the square root of the load.
+        // The difference between the efficiency and its large-inertia limit is proportional to the
+        // square root of the load.
         assert_relative_eq!(eta, 0.642_7, epsilon = 1e-3);
     }
 }

@@ -64,7 +64,7 @@ fn motions_of_pushed_balls_match_the_reference() {
         let ball = train_ball(ball(rpm), BALLS, work);
         let moved = ball.pushed(ball.free(), pushes, work).expect("a motion");
         // Precession rates from different quadratures differ by about 1e-8, and the reference rates
-        // are accurate to 1e-7. The other reference values have six and seven digits.
+        // are accurate to 1e-7. The other reference values are given to six or seven digits.
         assert_near("rate", moved.rate, rate, 1e-7);
         assert_near("torque", moved.screw_torque, torque, 1e-6);
         assert_near("power", moved.raceway_power, power, 1e-6);
@@ -84,7 +84,7 @@ fn motion_of_a_pushed_ball_depends_on_the_load_per_ball() {
         let ball = train_ball(at, BALLS, work);
         ball.pushed(ball.free(), [2.0, 1.5], work).expect("a motion")
     });
-    // Both loads per ball are 50 N, so the results can differ only by rounding errors.
+    // In both cases, the load per ball is 50 N, so the results can differ only by rounding errors.
     assert_near("rate", many.rate, one.rate, 1e-9);
     assert_near("torque", many.screw_torque, one.screw_torque, 1e-9);
     assert_near("power", many.raceway_power, one.raceway_power, 1e-9);
@@ -100,7 +100,7 @@ fn push_forces_at_a_given_precession_rate_match_the_reference() {
     ] {
         let ball = train_ball(ball(rpm), BALLS, work);
         let held = ball.at_rate(ball.free(), rate, 1.0, work).expect("a motion");
-        // The reference values are given with six and seven digits.
+        // The reference values are given to six or seven digits.
         assert_near("push behind", held.pushes[1], back, 1e-6);
         assert_near("torque", held.screw_torque, torque, 1e-6);
         assert_near("power", held.raceway_power, power, 1e-6);
@@ -162,7 +162,8 @@ fn given_precession_rate_and_given_push_force_lead_to_the_same_motion() {
     let ball = train_ball(ball(100.0), BALLS, work);
     let pushed = ball.pushed(ball.free(), [0.8, 0.5], work).expect("a motion");
     let held = ball.at_rate(ball.free(), pushed.rate, 0.8, work).expect("a motion");
-    // Both solutions have a residual of 1e-10.
+    // The solutions for the given push force and for the given precession rate both have residuals
+    // of 1e-10.
     assert_near("push behind", held.pushes[1], 0.5, 1e-6);
     assert_near("torque", held.screw_torque, pushed.screw_torque, 1e-9);
     for (held, pushed) in held.compliances().into_iter().zip(pushed.compliances()) {

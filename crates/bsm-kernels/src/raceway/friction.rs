@@ -19,8 +19,8 @@ static RULE: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::of(RacewayContr
 static RULES: LazyLock<[Quadrature; 2]> =
     LazyLock::new(|| [Quadrature::of_oil(Traction::ACCURACY), Quadrature::of(Traction::ACCURACY)]);
 
-/// A rolling contact ellipse. Its quantities are divided by ball radius, relative speed and axial
-/// load per ball.
+/// A rolling contact ellipse. Its quantities are nondimensionalized with the ball radius, the
+/// relative speed and the axial load per ball.
 #[derive(Clone, Copy)]
 pub(super) struct Ellipse<S: Simd> {
     /// Normal load, `$Q/F_a$`.

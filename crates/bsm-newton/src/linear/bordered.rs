@@ -17,12 +17,11 @@ use crate::Singular;
 /// Unknowns and equations are ordered by blocks, followed by the border. If neighboring blocks are
 /// not coupled, `$L_i = U_i = 0$`. To represent a ring of blocks, cut it open into a chain and make
 /// the unknowns of one block part of the border.
-///
 /// The factorization eliminates the chain of blocks from one end to the other, and then solves for
 /// the border with its Schur complement. The cost is proportional to the number of blocks instead
-/// of its cube. Rows are exchanged only within a block and within the border. This is safe for
-/// positive definite matrices and for block diagonally dominant matrices. In other matrices, a
-/// block may be [`Singular`] even if the whole matrix is regular.
+/// of its cube. Rows are exchanged only within a block and within the border. Restricting the
+/// exchanges in this way is safe for positive definite matrices and for block diagonally dominant
+/// matrices. In other matrices, a block may be [`Singular`] even if the whole matrix is regular.
 pub struct BorderedMatrix<const K: usize> {
     diagonal: Vec<Dense<K>>,
     /// Columns of the couplings to the next block. After the factorization, they contain the
@@ -137,8 +136,8 @@ impl<const K: usize> BorderedMatrix<K> {
             return;
         }
         let (i, k) = (unknown / K, unknown % K);
-        // The entries of this unknown are set to zero in both couplings between its block and the
-        // next block.
+        // The coefficients of this unknown are set to zero in both matrices that couple its block
+        // to the next block.
         if let (Some(above), Some(below)) = (self.above.get_mut(i), self.below.get_mut(i)) {
             for line in above.iter_mut().chain(below) {
                 line[k] = 0.0;

@@ -80,9 +80,9 @@ fn bracketed_root_search_needs_only_the_signs_at_the_ends_of_the_bracket() {
     assert!((found.x - 1.0).abs() <= 1e-15, "{found:?}");
 }
 
-/// For a predicate, the final bracket consists of two adjacent doubles on either side of the
-/// transition, even if the transition is at zero or the initial bracket spans many orders of
-/// magnitude.
+/// For a predicate, the final bracket consists of two adjacent floating-point numbers on either
+/// side of the transition, even if the transition is at zero or the initial bracket spans many
+/// orders of magnitude.
 #[test]
 fn predicate_transition_is_enclosed_by_adjacent_doubles() {
     for edge in [1e-300, 1e-5, 0.0, 0.7, 3e200] {

@@ -28,8 +28,8 @@ pub struct HeatSources {
 }
 
 impl HeatSources {
-    /// Adds the friction torques of a phase, multiplied by a weight that converts them to average
-    /// powers.
+    /// Adds the friction torques of a phase, multiplied by a weight that converts torques to
+    /// average powers.
     ///
     /// * `weight`: time fraction of the phase multiplied by its absolute speed \[rad/s\].
     pub fn add(&mut self, torques: &Self, weight: f64) {

@@ -151,7 +151,8 @@ fn film_of_nut(length: f64, feed: f64) -> f64 {
     (free.powi(3) + forced.powi(3)).cbrt() + 0.9 * RADIATION
 }
 
-/// Returns the conductance between all balls and one body through their contacts \[W/K\] (I11).
+/// Returns the conductance of the contacts between all balls and one body (nut or screw) \[W/K\]
+/// (I11).
 ///
 /// * `radius`: effective contact radius `$\sqrt{ab}$` \[m\].
 /// * `rolling`: speed at which the contact moves over the surface of the body \[m/s\].
@@ -210,21 +211,22 @@ pub struct Surfaces {
     /// Thermal connection between nut and screw through the balls.
     pub link: BallLink,
     /// Conductance between the nut (including the table) and the air, if the case specifies it
-    /// \[W/K\]. It replaces the estimate.
+    /// \[W/K\]. The specified value replaces the estimate.
     pub nut: Option<f64>,
-    /// Film coefficient between the screw and the air, if the case specifies it \[W/(m²·K)\]. It
-    /// replaces the estimate.
+    /// Film coefficient between the screw and the air, if the case specifies it \[W/(m²·K)\]. The
+    /// specified value replaces the estimate.
     pub screw_film: Option<f64>,
-    /// Conductance of gap and wipers, if the case specifies it \[W/K\]. It replaces the estimate.
+    /// Conductance of gap and wipers, if the case specifies it \[W/K\]. The specified value
+    /// replaces the estimate.
     pub gap: Option<f64>,
-    /// Conductance between balls and nut, if the case specifies it \[W/K\]. It replaces the
-    /// estimate.
+    /// Conductance between balls and nut, if the case specifies it \[W/K\]. The specified value
+    /// replaces the estimate.
     pub ball_nut: Option<f64>,
-    /// Conductance between balls and screw, if the case specifies it \[W/K\]. It replaces the
-    /// estimate.
+    /// Conductance between balls and screw, if the case specifies it \[W/K\]. The specified value
+    /// replaces the estimate.
     pub ball_screw: Option<f64>,
     /// Conductance between each end of the screw and the structure, if the case specifies it
-    /// \[W/K\]. It replaces the estimate.
+    /// \[W/K\]. The specified value replaces the estimate.
     pub end: Option<f64>,
     /// Conductance between a hollow screw and its coolant \[W/K\], which is 0 without a coolant.
     pub coolant: f64,

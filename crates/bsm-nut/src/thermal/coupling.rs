@@ -20,8 +20,8 @@ pub trait HeldFriction {
     /// * `oil`: oil temperature \[K\].
     /// * `between_loads`: permitted relative error of the friction that is interpolated between
     ///   ball loads.
-    /// * `held`: model that must be used for each ball, by ball index. A ball without an entry
-    ///   chooses its own model.
+    /// * `held`: model that must be used for each ball, by ball index. For a ball without an entry,
+    ///   the model is chosen automatically.
     fn sum(
         &self,
         nut: &BallNut,
@@ -32,8 +32,8 @@ pub trait HeldFriction {
         held: &[Option<BallModel>],
     ) -> Option<FrictionSum>;
 
-    /// Returns the models that the balls choose, by ball index. The list is empty if the friction
-    /// does not depend on ball models.
+    /// Returns the automatically chosen models of the balls, by ball index. The list is empty if
+    /// the friction does not depend on ball models.
     fn models(
         &self,
         nut: &BallNut,
@@ -203,8 +203,8 @@ impl WarmNut<'_> {
         self.heated_to(rises, factor, all, BETWEEN_LOADS, &[])
     }
 
-    /// Returns the models that the balls choose at given temperature rises, for each phase of the
-    /// duty cycle. Returns `None` if the model of any ball has no solution.
+    /// Returns the models that are chosen for the balls at given temperature rises, for each phase
+    /// of the duty cycle. Returns `None` if the model of any ball has no solution.
     ///
     /// * `heated`: heat and loads of the nut at the given temperature rises.
     pub(super) fn models(
@@ -228,8 +228,8 @@ impl WarmNut<'_> {
     /// Returns heat and loads of the nut at given temperature rises, as [`heated`](Self::heated)
     /// does, with a given accuracy of the friction and with given ball models.
     ///
-    /// * `held`: models that the balls must use, for each phase of the duty cycle. If the list is
-    ///   empty, the balls choose their own models.
+    /// * `held`: models that must be used for the balls, for each phase of the duty cycle. If the
+    ///   list is empty, the models are chosen automatically.
     pub(super) fn heated_to(
         &self,
         rises: &[f64; NODES],

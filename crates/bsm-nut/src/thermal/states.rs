@@ -79,7 +79,7 @@ pub struct SteadyState {
     pub heated: NutAtTemperature,
     /// Loop gain (I18), which is 0 without thermal feedback and 1 at the fold.
     pub gain: f64,
-    /// True if, in this state, the balls would choose models or controlling raceways other than
+    /// True if the models or controlling raceways that would be chosen in this state differ from
     /// those with which the friction was calculated. The friction is discontinuous in this state,
     /// and the reported friction is the value on one side of the discontinuity.
     pub is_at_discontinuity: bool,
@@ -149,13 +149,13 @@ pub enum NoSteadyState {
     /// The speeds are above the fold, so the temperatures rise without limit.
     #[error("{0}")]
     RunsAway(Box<Fold>),
-    /// The temperature limit of 180 °C is reached below the given speeds.
+    /// The temperature limit of 180 °C is reached at speeds below the given speeds.
     #[error("a temperature exceeds 180 C at {factor:.2} times the given speeds")]
     TooHot {
         /// Speed at which the temperature limit is exceeded, divided by the given speed.
         factor: f64,
     },
-    /// The nut loses its preload below the given speeds.
+    /// The nut loses its preload at speeds below the given speeds.
     #[error("the preload is lost at {factor:.2} times the given speeds")]
     PreloadLost {
         /// Speed at which the preload is lost, divided by the given speed.
@@ -200,7 +200,7 @@ struct HeatBalance<'a> {
     /// False if the nut had lost its preload when the heat balance was last evaluated.
     has_preload: Cell<bool>,
     /// Models of the balls. The models are held constant during a solve, because the friction is
-    /// discontinuous where a ball changes its model.
+    /// discontinuous where the model of a ball changes.
     models: ModelsOfPhases,
 }
 
@@ -376,7 +376,7 @@ impl HeatBalance<'_> {
         Ok(SteadyState { rises, heated, gain, is_at_discontinuity, models: self.models.clone() })
     }
 
-    /// Returns this heat balance with other ball models.
+    /// Returns a copy of the heat balance that uses the given ball models.
     fn with_models(self, models: ModelsOfPhases) -> Self {
         Self { models, ..self }
     }
@@ -562,8 +562,9 @@ impl WarmNut<'_> {
         let (balance, rest) = self.at_rest()?;
         let near = near.copied().unwrap_or(rest);
         let state = match Self::steady_with_models(&balance, rest, near) {
-            // The ball models that were chosen for the temperatures without frictional heat do not
-            // lead to a steady state, so the balls now choose their models at every step.
+            // The ball models that were selected at the temperatures without frictional heat do not
+            // lead to a steady state, so the search is repeated with models that are selected anew
+            // at every step.
             Err(NoSteadyState::Jump { .. } | NoSteadyState::NotFound) => {
                 return Self::steady_with_models(&balance.with_models(Vec::new()), rest, near);
             }
@@ -580,7 +581,7 @@ impl WarmNut<'_> {
     }
 
     /// Returns the stable steady state for a heat balance with given ball models. If the list of
-    /// models is empty, the balls choose their models at every step.
+    /// models is empty, the models are chosen automatically at every step.
     ///
     /// * `near`: temperature rises at which the search starts.
     fn steady_with_models(
@@ -690,8 +691,8 @@ impl WarmNut<'_> {
     }
 }
 
-/// Returns true if no ball has different models in the two lists. Balls without a model in one of
-/// the lists are ignored.
+/// Returns true if two lists of ball models agree, that is, if no ball has different models in the
+/// two lists. Balls without a model in one of the lists are ignored.
 fn agree(one: &ModelsOfPhases, other: &ModelsOfPhases) -> bool {
     let phases = one.iter().zip(other);
     phases.flat_map(|(one, other)| one.iter().zip(other)).all(|pair| match pair {

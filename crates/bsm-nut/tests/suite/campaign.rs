@@ -147,7 +147,8 @@ fn assert_stiffness_equals_slope_of_forces(nut: &BallNut, found: &Equilibrium, p
 /// Solves random nuts. Returns the number of solved nuts, the number of nuts that cannot carry
 /// their load, the largest residual and the largest number of steps.
 ///
-/// * `every`: interval between the nuts whose stiffness is compared with finite differences.
+/// * `every`: interval `n` for checking stiffnesses: the stiffness of every `n`-th nut is compared
+///   with finite differences.
 fn solve_random_nuts(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut solved, mut nothing, mut worst, mut most) = (0, 0, 0.0_f64, 0);

@@ -261,8 +261,8 @@ fn push_force_from_the_ball_return_decreases_linearly_along_equally_loaded_balls
         // Over all balls, these changes add up to 6e-4 of the push force.
         assert!((got - want).abs() < 1e-3 * push, "{number}: {got} instead of {want}");
     }
-    // The push force from behind is at most the decrease per ball at the first ball, and at most
-    // twice this decrease at the second ball.
+    // At the first ball, the push force from behind is at most the decrease per ball. At the second
+    // ball, it is at most twice this decrease.
     assert!(behind[0] <= fall && behind[1] <= 2.0 * fall, "{behind:?}");
     // The friction power is f_b Z N_x r_b |w|, because the sum of N_f + N_b over all balls is Z
     // N_x, except for the contribution of the first of the 38 balls.
@@ -457,8 +457,8 @@ fn zero_gap_and_excessive_return_force_are_rejected() {
 
 #[test]
 fn balls_that_cannot_rotate_transmit_the_push_force() {
-    // In a tilted nut, some balls next to the idle balls have such small loads that the neighboring
-    // balls stop their rotation.
+    // In a tilted nut, some balls next to the idle balls carry such small loads that friction with
+    // the neighboring balls stops their rotation.
     let mut reference = reference("T04");
     reference.inputs.contact_friction = 0.3;
     reference.inputs.idle_drag = 0.05;
@@ -630,8 +630,8 @@ impl Track<'_> {
         let balls = self.positions.len();
         let touches: Vec<_> = (0..balls).map(|ball| self.gap(ball) <= 1e-12).collect();
         let first = touches.iter().position(|touches| !touches).expect("room") + 1;
-        // A pool is a set of touching balls, described by the common rate and the number of its
-        // balls.
+        // A pool is a set of touching balls. Each tuple contains the common rate of the balls in a
+        // pool and the number of these balls.
         let mut pools = Vec::<(f64, usize)>::new();
         let mut begins = 0;
         for number in first..first + balls {

@@ -387,9 +387,9 @@ fn with_speed_factor<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
 
 /// At 0.99 times the fold speed of case WS-P3, a stable and an unstable state exist; at 1.01 times
 /// the fold speed, no state exists. From both speeds, the search finds the same fold speed to the
-/// accuracy of the reference (1e-5). The loop gain is 1 at the fold. Its difference from 1 is
-/// proportional to the square root of the distance from the fold, so a speed error of 1e-6 changes
-/// the loop gain by 1e-3.
+/// accuracy of the reference (1e-5). The loop gain is 1 at the fold. The difference between loop
+/// gain and 1 is proportional to the square root of the distance from the fold, so a speed error of
+/// 1e-6 changes the loop gain by 1e-3.
 #[test]
 fn two_warm_states_exist_below_a_thermal_fold_and_none_above() {
     let reference = reference("WS-P3");
@@ -551,8 +551,8 @@ fn temperatures_are_linear_functions_of_heat_if_friction_does_not_depend_on_temp
         nut.steady().expect("steady")
     };
     let (one, three) = (at(0.2), at(0.6));
-    // The loop gain is calculated from differences between heats that are equal except for rounding
-    // errors.
+    // The loop gain is calculated from differences between heat flows that are equal except for
+    // rounding errors.
     assert!(one.gain.abs() < 1e-12, "{}", one.gain);
     for (one, three) in one.rises.iter().zip(three.rises) {
         assert_near("rise", three, 3.0 * one, 1e-9 * three);
@@ -655,8 +655,8 @@ fn scaling_heat_and_conductances_by_the_same_factor_leaves_temperatures_unchange
 }
 
 /// If there is no thermal resistance between nut and air, the nut stays cold. If there is no
-/// thermal resistance across the gap between nut and screw, both have the same temperature. Only
-/// the balls are then warmer, so the preloads in X and O arrangement are equal.
+/// thermal resistance across the gap between nut and screw, nut and screw have the same
+/// temperature. Only the balls are then warmer, so the preloads in X and O arrangement are equal.
 #[test]
 fn nodes_without_thermal_resistance_between_them_have_equal_temperatures() {
     let friction = load_proportional_friction(1.0);
@@ -676,8 +676,8 @@ fn nodes_without_thermal_resistance_between_them_have_equal_temperatures() {
         nut.steady().expect("steady")
     };
     let cold = of("WS-P3", 1e5, 1e5);
-    // A heat flow of about 100 W through 1e5 W/K causes a temperature rise of 1 mK, and a
-    // temperature rise of 1 K changes the preload by 13 %.
+    // A heat flow of about 100 W through a thermal conductance of 1e5 W/K causes a temperature
+    // difference of 1 mK, and a temperature rise of 1 K changes the preload by 13 %.
     assert_near("cold", cold.heated.preload, 2500.0, 0.3);
     let [x, o] = ["WS-P3", "WS-P2"].map(|id| of(id, 0.0, 1e5));
     for state in [&x, &o] {
@@ -702,17 +702,17 @@ fn temperature_rise_of_a_single_thermal_node_is_heat_divided_by_conductance() {
     let of = nut.network(1.0).conductances;
     let surfaces = of.nut + of.screw_film * PI * nut.axis.screw.diameter * nut.axis.screw.travel;
     for rise in &state.rises[..3] {
-        // The tolerance is larger than the temperature differences that about 100 W cause at 1e5
-        // W/K, and larger than the influence of the screw ends, whose length is 1e-6 of the screw
-        // length.
+        // The tolerance is larger than the temperature difference that a heat flow of about 100 W
+        // causes across a conductance of 1e5 W/K. It is also larger than the influence of the screw
+        // ends, whose length is 1e-6 of the screw length.
         assert_near("rise", *rise, state.heat() / surfaces, 1e-3);
     }
 }
 
 /// The network assumes a uniform temperature along the travel. For a long screw, the resulting mean
-/// temperature rise matches a closed-form expression. It is lower than the mean temperature rise in
-/// the exact solution for a fin that is heated along the travel. The difference is 6 % at m L_t =
-/// 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at 12.
+/// temperature rise matches a closed-form expression. This mean temperature rise is lower than the
+/// mean temperature rise in the exact solution for a fin that is heated along the travel. The
+/// difference is 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at 12.
 #[test]
 fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
     let base = axis(&reference("WS-P2")["case"]);
@@ -720,8 +720,8 @@ fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
         let mut network = base.network(1.0);
         let along = network.conductances.screw_film * PI * network.screw.diameter;
         let m = (along / (network.screw.conductivity * network.screw.section)).sqrt();
-        // A screw end with a length of 40/m is practically infinitely long, because e^-40 is below
-        // the rounding error.
+        // A screw end of length 40/m, where m is the fin parameter, is practically infinite,
+        // because e^-40 is below the rounding error.
         (network.screw.travel, network.screw.length) = (x / m, (x + 80.0) / m);
         let of = &mut network.conductances;
         (of.gap, of.ball_nut, of.ball_screw) = (0.0, 0.0, 0.0);
@@ -737,10 +737,10 @@ fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
 }
 
 /// The derivatives of the node temperatures with respect to the ambient temperature are calculated
-/// from two steady states. They satisfy the linearized heat balance, whose matrix `$M - P'$`
-/// contains the derivatives of the heat. The functions are nonlinear over a temperature range of
-/// about 50 K, so finite differences with a step of 0.05 K have relative errors of about (0.05/50)²
-/// = 1e-6. The tolerance is ten times as large.
+/// from two steady states. These derivatives satisfy the linearized heat balance, whose matrix `$M
+/// - P'$` contains the derivatives of the heat. The functions are nonlinear over a temperature
+/// range of about 50 K, so finite differences with a step of 0.05 K have relative errors of about
+/// (0.05/50)² = 1e-6. The tolerance is ten times as large.
 #[test]
 fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
     let friction = load_proportional_friction(1.0);
@@ -768,8 +768,8 @@ fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
 
 /// If the two bodies of a pair in O arrangement are one neutral distance apart, the preload does
 /// not depend on the screw temperature. The temperature of the balls must be the mean temperature
-/// of nut and screw. The remaining change is less than 2 % of the change in X arrangement. It is
-/// not zero because the preload changes the contact angle of 45 deg by about 0.01 rad.
+/// of nut and screw. The remaining change is less than 2 % of the change in X arrangement. The
+/// change is not zero because the preload changes the contact angle of 45 deg by about 0.01 rad.
 #[test]
 fn pair_in_o_arrangement_at_neutral_distance_is_insensitive_to_screw_temperature() {
     let change = |id: &str| {

@@ -215,7 +215,7 @@ pub fn catalog_figures(catalog: &Catalog, places: &[u32]) -> Vec<Figure> {
     };
     let mut figures: Vec<Figure> = Vec::new();
     for figure in drawn.iter().filter_map(figure) {
-        // The same nuts may be closest to two captions, so duplicate figures are left out.
+        // The same nut may be the best match for two captions, so duplicate figures are omitted.
         let same = |other: &Figure| {
             (&other.caption, &other.x, &other.y) == (&figure.caption, &figure.x, &figure.y)
         };

@@ -116,8 +116,8 @@ fn degrees(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
 }
 
 /// Draws the closed-form solution as lines and the exact solution at every third point as circles,
-/// with one color for each value in `others`. The first of these values is the value of the case.
-/// For this value, the curve of the other drive direction is drawn as well.
+/// with one color for each value in `others`. The first value in `others` is the value of the case.
+/// For the value of the case, the curve of the other drive direction is drawn as well.
 fn exact_and_closed(
     case: &Case,
     (input, values): (&str, &[f64]),
@@ -151,8 +151,8 @@ fn moving(solution: &Solution) -> Option<f64> {
     solution.efficiency().filter(|eta| *eta > 0.0)
 }
 
-/// Returns the value `own`, followed by all values within the range whose offset from `own` is in
-/// `others`.
+/// Returns `own`, followed by all values within the range that differ from `own` by one of the
+/// offsets in `others`.
 fn around(own: f64, others: [f64; 2], (low, high): (f64, f64)) -> Vec<f64> {
     let others = others.into_iter().map(|off| own + off).filter(|x| (low..=high).contains(x));
     std::iter::once(own).chain(others).collect()
@@ -210,7 +210,7 @@ fn normal_loads(case: &Case) -> Result<Figure, ReportError> {
     ];
     let mut curves = Vec::new();
     for (i, (label, model, stroke, getter)) in getters.into_iter().enumerate() {
-        // The curves would coincide, so their marks are drawn alternately.
+        // The curves would coincide, so each curve has its markers at different points.
         let values: Vec<_> = match stroke {
             Stroke::Solid => degrees(5..=85),
             _ => degrees(5..=85).into_iter().skip(2 * i).step_by(4).collect(),
@@ -242,8 +242,8 @@ fn slip_angles(case: &Case) -> Result<Figure, ReportError> {
     let over = (LEAD.0, &degrees(1..=60)[..]);
     let getter: Getter = |o| o.contact(Site::Screw)?.slip_angle.map(f64::to_degrees);
     let mut curves = exact_and_closed(case, over, (CONTACT.0, &contacts), getter)?;
-    // The curves of the other drive direction are removed, because they are equal to the remaining
-    // curves except for a rotation by 180 degrees.
+    // The curves for the other drive direction are removed, because they differ from the remaining
+    // curves only by a rotation of 180 degrees.
     curves.retain(|curve| curve.stroke != Stroke::Dashed);
     Ok(Figure::new(
         [
@@ -363,7 +363,8 @@ fn exact_optimum(case: &Case, direction: Direction) -> Result<Vec<(f64, f64)>, R
         };
         let (low, high) = (30.0, 85.0);
         let best = minimum_of(loss, low, high)?;
-        // If the best angle is at an end of the range, it is not a maximum.
+        // If the best angle is at an end of the range, the efficiency has no maximum inside the
+        // range.
         let inside = best > low + 0.1 && best < high - 0.1;
         points.push((lead, if inside { best } else { f64::NAN }));
     }

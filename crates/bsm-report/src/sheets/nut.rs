@@ -17,7 +17,8 @@ const CLASSES: [(f64, f64, &str); 4] = [
 const NO_GAP: f64 = 1e-6;
 
 /// Caption for quantities that exist only at loaded flanks.
-const TOUCHED: &str = "Each mark is a ball; balls that do not touch the flank have no mark.";
+const TOUCHED: &str =
+    "Each marker represents a ball; balls that do not touch the flank have no marker.";
 
 /// Returns the figures of a nut: loads and contact angles along the helix, the developed nut, and
 /// displacement and preload as functions of the axial load.
@@ -82,7 +83,7 @@ fn train(balls: &Columns) -> Vec<Figure> {
             [
                 "nut-ball-pushes",
                 "Forces between the balls along the helix",
-                "Balls without a push force have no mark.",
+                "Balls without a push force have no marker.",
             ],
             PlotAxis::linear("force, N"),
             &[
@@ -125,7 +126,7 @@ fn speeds(balls: &Columns) -> Figure {
         ],
         [
             PlotAxis::linear("turns along the helix"),
-            PlotAxis::linear("speed relative to the mean of the free balls, %"),
+            PlotAxis::linear("speed relative to the mean speed of the free balls, %"),
         ],
         curves.into_iter().flatten().collect(),
     )
@@ -178,7 +179,7 @@ fn developed(balls: &Columns) -> Figure {
         [
             "nut-developed",
             "Loads of the balls on the developed nut",
-            "Developed view of the nut: each mark is a ball, and the color shows the class of its load.",
+            "Developed view of the nut: each marker represents a ball, and the color shows the class of its load.",
         ],
         [
             PlotAxis::linear("angle around the axis, deg"),

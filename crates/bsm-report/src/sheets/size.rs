@@ -372,9 +372,10 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     all.map(|(title, rows)| json!({ "title": title, "rows": rows })).collect()
 }
 
-/// Returns the figures in the display units of the case: load and speed of the screw over the
-/// cycle, a load-speed diagram with the phases of the cycle and their limits, and, if requested,
-/// temperatures and preload in the warm steady state against the speed.
+/// Returns the figures in the display units of the case: a load-speed diagram with the phases of
+/// the cycle and their limits, the axial load, feed rate and motor torque over the cycle, the
+/// groove profiles, and, if requested, temperatures and preload in the warm steady state against
+/// the speed.
 pub fn size_figures(report: &AxisReport) -> Vec<Figure> {
     // If there is only one phase, nothing varies over time.
     let cycle = (report.phases.len() > 1).then(|| over_time(report));
@@ -438,7 +439,7 @@ fn among_limits(report: &AxisReport) -> Figure {
         let found = report.answer.rules.iter().find(|rule| rule.name == name);
         found.and_then(|rule| Some((rule.limit?, rule.margin()?)))
     };
-    // At each of these speeds and loads, one rule is exactly at its limit.
+    // Each of the following speeds and loads brings one rule exactly to its limit.
     let speeds = [
         (rule("critical_speed_ratio"), "permitted fraction of the critical speed"),
         (rule("largest_speed_number_mm_min"), "speed number"),
@@ -501,8 +502,8 @@ fn among_limits(report: &AxisReport) -> Figure {
 /// overlap.
 const LABEL_DISTANCE: f64 = 0.05;
 
-/// Returns the labels of the phases. Phases whose numbers would overlap share the label of the first
-/// one, such as "1, 3".
+/// Returns the labels of the phases. Phases whose numbers would overlap share a label such as "1,
+/// 3", which is drawn at the first of these phases.
 ///
 /// * `points`: speed and load of each phase.
 /// * `ends`: largest speed and largest load in the diagram.

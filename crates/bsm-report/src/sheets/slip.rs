@@ -15,7 +15,7 @@ const PITCH: [f64; 2] = [7.0 / 6.0, 15.0];
 
 /// A slip formula that is drawn as a curve: name, kind of slip, line style for the source of the
 /// formula, label, and outputs at nut and screw. The formulas printed in the paper use, for each
-/// contact, the contact angle of the other contact.
+/// contact, the contact angle of the opposite contact.
 type Slip = (&'static str, usize, Stroke, &'static str, [OutputName; 2]);
 
 const PRINTED: Stroke = Stroke::Solid;

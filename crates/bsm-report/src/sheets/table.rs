@@ -40,7 +40,13 @@ const DRAWN: [Drawn; 6] = [
         1.0,
     ),
     ("nuts-mass", "Mass of the nut against size", "mass of a nut, kg", &["nut_mass_kg"], 1.0),
-    ("nuts-life", "Life in the axis against size", "life of the cycle, h", &["cycle_life_h"], 1.0),
+    (
+        "nuts-life",
+        "Life under the duty cycle of the axis against size",
+        "life of the cycle, h",
+        &["cycle_life_h"],
+        1.0,
+    ),
     (
         "nuts-motor-torque",
         "Peak motor torque against size",
@@ -78,7 +84,7 @@ pub fn table_figures(rows: &[&ManufacturerRow]) -> Vec<Figure> {
         } else {
             String::new()
         };
-        let caption = format!("Each circle is a nut of the table.{rest}");
+        let caption = format!("Each circle represents a nut in the table.{rest}");
         (points.len() > 1).then(|| {
             Figure::new(
                 [key, title, &caption],

@@ -42,7 +42,7 @@ use tally::Tally;
 /// Folder to which the case files of anomalies are written.
 const FOLDER: &str = "target/extremes";
 
-/// Number of points that a thread takes at a time.
+/// Number of points that a thread fetches at once.
 const STRIDE: usize = 256;
 
 /// Sensitivities are calculated for every `SENSITIVE`th point only, because they require several

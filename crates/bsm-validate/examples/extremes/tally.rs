@@ -129,7 +129,10 @@ impl fmt::Display for Tally {
             writeln!(f, "| {name} | {share:.4} % | {all} | {one} | {two} | {three} | {four} |")?;
         }
         let [several, none, unknown] = self.others;
-        writeln!(f, "\nother solutions: {several} have some, {none} none, {unknown} unknown")?;
+        writeln!(
+            f,
+            "\nother solutions: {several} points have some, {none} points have none, {unknown} points are undecided"
+        )?;
         let ((residual, r), (balance, b), (slowest, s)) =
             (self.residual, self.balance, self.slowest);
         let slowest = 1e3 * slowest.as_secs_f64();

@@ -249,7 +249,7 @@ impl<'a> Bench<'a> {
         let solve = |arch, chunk: &Chunk| {
             black_box(task.solve_on(arch, chunk, &self.points.columns));
         };
-        // Models that take microseconds per point do not need the longer tables.
+        // Models that take microseconds per point can be timed with the shorter tables.
         let tables = if is_quick(settings) { &self.long_groups } else { &self.groups };
         let batch = |arch, chunk: &Chunk| {
             per_point(1, chunk.len, |_| {

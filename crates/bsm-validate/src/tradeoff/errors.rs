@@ -54,11 +54,11 @@ impl From<Group> for &'static str {
 pub struct Distribution {
     /// Mean of the values at all points.
     pub mean: f64,
-    /// Median: half of the points do not exceed this value.
+    /// Median: at half of the points, the value is at most this large.
     pub median: f64,
-    /// 90 % quantile: 90 % of the points do not exceed this value.
+    /// 90 % quantile: at 90 % of the points, the value is at most this large.
     pub q90: f64,
-    /// 99 % quantile: 99 % of the points do not exceed this value.
+    /// 99 % quantile: at 99 % of the points, the value is at most this large.
     pub q99: f64,
     /// Largest value at any point.
     pub max: f64,

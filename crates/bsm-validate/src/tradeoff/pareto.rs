@@ -35,9 +35,9 @@ fn figure(
             continue;
         };
         let Some(error) = errors.efficiency else { continue };
-        // Settings that change the creep speed are left out, because their marks would coincide
-        // with the marks of settings that change the accuracy. Errors of zero are left out, because
-        // a logarithmic axis cannot show them.
+        // Settings that change the creep speed are left out, because their markers would coincide
+        // with the markers of settings that change the accuracy. Errors of zero are left out,
+        // because a logarithmic axis cannot show them.
         if result.setting.options.starts_with("--creep") || error.q99 == 0.0 {
             continue;
         }

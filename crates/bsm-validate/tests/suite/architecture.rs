@@ -50,7 +50,7 @@ fn architecture_page_names_existing_files_and_items() {
             }
         }
     }
-    // If fewer paths or names are found, the page was not parsed correctly.
+    // Smaller numbers of paths or names would mean that the page was not parsed correctly.
     assert!(paths > 40 && names > 30, "{paths} paths, {names} names");
 }
 
@@ -64,8 +64,7 @@ fn modules_of_bsm_case_use_only_preceding_folders() {
         let text = fs::read_to_string(path).expect("a module");
         text.split("#[cfg(test)]").next().unwrap_or_default().to_owned()
     };
-    // The map contains all names that the crate exports, with the position of their folder in the
-    // list.
+    // The map assigns each name that the crate exports to the position of its folder in `FOLDERS`.
     let face = code(&source.join("lib.rs"));
     let mut names = BTreeMap::new();
     for line in face.split(';') {

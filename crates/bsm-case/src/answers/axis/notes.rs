@@ -74,7 +74,7 @@ impl AxisState<'_> {
         let speed_number = self.axis().speed_number() / (MM * RPM);
         if speed_number > GREASE_SPEED_NUMBER_MM_MIN {
             note(
-                "Above a speed number of about 100 000 mm/min, oil or a high-speed grease is normally used. Ask the manufacturer which grease is suitable.",
+                "Above a speed number (pitch circle diameter times speed) of about 100 000 mm/min, oil or a high-speed grease is normally used. Ask the manufacturer which grease is suitable.",
             );
         }
         if let Some(short) = self.short_stroke() {
@@ -249,7 +249,7 @@ impl AxisState<'_> {
         let lubricated = case.given().is_lubricated();
         notes.extend(match (&self.lubrication, self.modified_life(0)) {
             (Some(_), None) => {
-                Some("The modified life is not calculated, because a viscosity ratio is below 0.1 and outside the range of ISO 281.".to_owned())
+                Some("The modified life is not calculated, because a viscosity ratio is below 0.1, which is outside the range of ISO 281.".to_owned())
             }
             (None, _) if contaminated => Some(
                 "The modified life is not calculated, because viscosity and lubricant_temperature_C are not given."
@@ -368,7 +368,7 @@ impl AxisState<'_> {
         let life = self.life()?.time / 3600.0 / factor.powi(3);
         (stroke < lengths * self.machine.body.length).then(|| {
             format!(
-                "The stroke is less than three nut lengths. HIWIN recommends a load factor of 3 to 5; the life with {factor} is {life:.0} h."
+                "The stroke is less than three nut lengths. HIWIN recommends a load factor of 3 to 5; with a load factor of {factor}, the life is {life:.0} h."
             )
         })
     }
@@ -382,8 +382,8 @@ impl AxisState<'_> {
             let drives = heaviest.point.load * heaviest.point.direction() < 0.0;
             let friction = contacts::by_catalog(self.case).friction(heaviest.ideal, drives);
             let frictions = contacts::usual_frictions(heaviest.ideal, drives);
-            // Friction increases the torque, unless the load drives the screw. Friction then
-            // reduces the torque.
+            // Friction increases the torque if the drive moves the load, and reduces the torque if
+            // the load drives the screw.
             let usual = frictions.map(|usual| if drives { friction - usual } else { usual - friction });
             let [one, other] = usual.map(|more| torque + more);
             let (low, high) = (one.min(other), one.max(other));

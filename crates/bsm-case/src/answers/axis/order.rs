@@ -105,7 +105,7 @@ impl AxisState<'_> {
         let torque = |preload: &Preload| {
             format!("{:.2} {}{percent}", torque_unit.value(preload.by_rule), torque_unit.text)
         };
-        order.add("friction torque of the preload", "T_p0 ", preload.map(torque));
+        order.add("friction torque due to preload", "T_p0 ", preload.map(torque));
         let travel = self.travel_compensation().zip(self.machine.stroke);
         let travel = travel.map(|(target, stroke)| format!("T = {target:.3}/{:.0}", stroke / MM));
         order.add("travel compensation, mm", "", travel);

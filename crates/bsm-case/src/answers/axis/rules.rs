@@ -256,7 +256,8 @@ fn criterion(
     (at_least, limit): (bool, Option<f64>),
     remedy: impl Fn(f64) -> String,
 ) -> Option<Criterion> {
-    let Quantity { symbol, unit, .. } = *quantity(name).expect("the quantity of a rule exists");
+    let Quantity { symbol, unit, .. } =
+        *quantity(name).expect("every rule refers to an existing quantity");
     // The limit is NaN if it depends on a missing input, and the rule is then omitted.
     if limit.is_some_and(f64::is_nan) {
         return None;
@@ -356,7 +357,7 @@ rules! {
     "support bearings" support_bearing_load_N
         = of.required_if(output!(support_bearing_load_N), of.case.support_bearing_axial_load_N),
         at_most of.case.support_bearing_axial_load_N,
-        "rating of the bearing manufacturer, cold and warm (BB7)",
+        "load rating from the bearing manufacturer, for the cold and the warm screw (BB7)",
         match (of.balanced_pretension(), of.number(output!(screw_tension_N))) {
             (Some(kelvin), _) => format!(
                 "larger bearings, a floating bearing, or pretension_K {}, with which cold tension and \
@@ -506,7 +507,7 @@ pub(super) fn rules(
 
 /// Returns the rule that requires a warm steady state to exist.
 pub(super) fn steady_state(fold: Option<f64>) -> Option<Criterion> {
-    let source = "no steady state exists above the fold (I20); the heat is accurate to 25 %";
+    let source = "no warm state exists above the fold (I20); the calculated friction heat is accurate to about 25 %";
     criterion([STEADY_STATE, "fold_speed_factor"], source.into(), fold, (true, Some(FOLD)), |_| {
         "a colder screw, a warmer nut, less preload, or O arrangement instead of X".to_owned()
     })

@@ -462,9 +462,9 @@ fn life_by_balls(
         };
         let ours = nut.number(output!(life_by_balls_revolutions))?;
         let rated = nut.number(output!(iso_life_revolutions))?;
-        // Only the ratio of the life from the loads of all balls to the life according to ISO
-        // 3408-5 is taken from the ball model, because the load rating may come from the
-        // manufacturer.
+        // The ball model contributes only the ratio of two lives: the life calculated from the
+        // loads of all balls, and the life according to ISO 3408-5. The load rating itself may come
+        // from the manufacturer.
         let preload = nut.number(output!(warm_preload_N)).filter(|_| case.is_preloaded());
         let duty = Duty { load, speed: 1.0, time: 1.0 };
         let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;

@@ -24,10 +24,10 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
     "torque" {
         screw_load_N ["N" "F_a"] Scalar(|t| t.point.load), "axial load, including the moved mass";
         screw_torque_Nm = QUANTITIES Scalar(Torques::at_screw);
-        ideal_torque_Nm ["N m"] Scalar(|t| t.ideal), "  of the load, without friction";
+        ideal_torque_Nm ["N m"] Scalar(|t| t.ideal), "  axial load, without friction";
         contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  ball contacts";
         third_contact_torque_Nm = NUT Scalar(|t| t.contacts.third);
-        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  preload drag beyond the contacts";
+        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  preload drag outside the contacts";
         seal_torque_Nm ["N m"] Scalar(|t| t.seal), "  seals";
         support_bearing_torque_Nm ["N m"] Scalar(|t| t.bearing), "  support bearings";
         screw_efficiency = QUANTITIES Scalar(Torques::efficiency);

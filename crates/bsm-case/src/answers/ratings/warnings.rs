@@ -36,7 +36,7 @@ pub(super) fn limit_warnings(
     let over_pitch = nut.ball_diameter / nut.pitch();
     if over_pitch > limits.ball_over_lead * (1.0 + 1e-9) {
         let text = format!(
-            "The ball diameter is {over_pitch:.3} times the groove pitch; above {}, the land between the turns is narrow.",
+            "The ball diameter is {over_pitch:.3} times the groove pitch; if this ratio is above {}, the land between the turns is narrow.",
             limits.ball_over_lead
         );
         warnings.push(Warning::limit(SelectionLimit::BallOverLead, text));
@@ -81,7 +81,7 @@ pub(super) fn preload_warnings(
     // F_w ≤ 0.15 C_a                                                      (D22)
     if preload > PRELOAD * rating * (1.0 + 1e-9) {
         warnings.push(format!(
-            "preload_N is {:.3} times the dynamic load rating; above {PRELOAD}, the preload reduces the life.",
+            "preload_N is {:.3} times the dynamic load rating; above a ratio of {PRELOAD}, the preload reduces the life.",
             preload / rating
         ));
     }

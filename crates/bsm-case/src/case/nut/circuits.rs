@@ -65,7 +65,7 @@ pub(super) fn listed_circuits(
     }
     let bodies = 1 + listed.iter().map(|circuit| circuit.body).max().unwrap_or(0);
     if let Some(body) = (0..bodies.min(MAX_BALLS)).find(|b| listed.iter().all(|c| c.body != *b)) {
-        return Err(invalid_input("circuits", format!("has no circuit of body {body}")));
+        return Err(invalid_input("circuits", format!("contains no circuit for nut body {body}")));
     }
     let mut balls = 0_usize;
     let mut all = Vec::new();
@@ -141,8 +141,8 @@ pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circui
         );
         return Err(invalid_input(InputKey::loaded_balls_per_turn.name(), what));
     }
-    // Helix angle from the end of a circuit to the beginning of the next circuit on the same
-    // thread.
+    // Angle along the helix from the end of a circuit to the beginning of the next circuit on the
+    // same thread.
     let gap = case.gap_deg.unwrap_or_else(|| (arc / 360.0).ceil() * 360.0 - arc);
     let (step, phase) = (arc + gap, case.number(InputKey::phase_deg));
     let pair = way == PreloadKind::Offset && is_preloaded(case);

@@ -73,9 +73,10 @@ fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangeme
         if pushed { Arrangement::X } else { Arrangement::O }
     });
     match (given, by_flanks) {
-        (Some(word), Some(flanks)) if word != flanks => {
-            Err(invalid_input("preload_arrangement", "contradicts the flanks of circuits"))
-        }
+        (Some(word), Some(flanks)) if word != flanks => Err(invalid_input(
+            "preload_arrangement",
+            "contradicts the flanks that are given in circuits",
+        )),
         (word, flanks) => Ok(word.or(flanks).unwrap_or(DEFAULT_ARRANGEMENT)),
     }
 }

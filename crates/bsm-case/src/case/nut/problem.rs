@@ -513,7 +513,7 @@ fn notes(
         && whole(balls) != nut.balls()
     {
         notes.push(format!(
-            "The circuits have {} balls. loaded_balls = {balls} applies only to the models of one ball.",
+            "The circuits have {} balls. loaded_balls = {balls} applies only to the single-ball models.",
             nut.balls()
         ));
     }

@@ -57,7 +57,7 @@ impl BallGaps {
             let Some(circuit) = (0..circuits).find(|circuit| own(*circuit).is_some()) else {
                 return Ok(Self { spacer, friction, train: None });
             };
-            let what = "also needs ball_gap_mm of the nut for the other circuits";
+            let what = "also needs the input ball_gap_mm, which applies to the circuits that do not have their own value";
             return Err(invalid_input(own_path(circuit), what));
         };
         let gap_of = |circuit: usize| {

@@ -114,7 +114,7 @@ impl<D: Real> MixedFriction<D> {
 }
 
 impl<D: Scalar> MixedFriction<D> {
-    /// Returns the friction law without derivatives.
+    /// Returns a copy of the friction law in plain numbers, without derivatives.
     pub(crate) fn values(&self) -> MixedFriction {
         MixedFriction {
             asperity_share: self.asperity_share.re(),
@@ -139,7 +139,7 @@ impl<D: Scalar> FrictionLaw<D> for MixedFriction<D> {
 }
 
 impl Transition {
-    /// Returns the transition of the friction coefficient for a friction law.
+    /// Returns the transition of the friction coefficient along a chord for a given friction law.
     pub(crate) fn of(law: &MixedFriction) -> Self {
         Self { shear: 2.0 * law.shear, scale: law.pressure_scale / law.max_pressure }
     }

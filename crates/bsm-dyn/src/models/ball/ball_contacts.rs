@@ -1,6 +1,6 @@
-//! A ball between elastic raceways in scaled units (multiples of the ball radius, the axial load
-//! per ball and the relative speed), for one operating point or for several points side by side in
-//! a SIMD vector. Angles are given by their sines and cosines.
+//! A ball between elastic raceways in scaled units (lengths divided by the ball radius, forces by
+//! the axial load per ball, and speeds by the relative speed `$W$`), for one operating point or for
+//! several points side by side in a SIMD vector. Angles are given by their sines and cosines.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1), (P2), (P6).
 
@@ -177,7 +177,7 @@ impl<D: Real> LoadedContact<D> {
     /// Creates a contact without friction from the cotangent of its contact angle. The normal load
     /// follows from the axial load.
     ///
-    /// * `stiffness`: the arguments `offset` and `compliance` of [`of`](Self::of).
+    /// * `stiffness`: pair of `offset` and `compliance`, as defined for [`of`](Self::of).
     /// * `axial`: ratio `$1/\cos\alpha$` of the load component along the binormal to the axial
     ///   load.
     #[inline(always)]

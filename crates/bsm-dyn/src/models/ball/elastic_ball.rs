@@ -81,7 +81,7 @@ impl<D: Scalar> ElasticPoint<D> {
         }
     }
 
-    /// Returns the operating point without derivatives.
+    /// Returns a copy of the operating point in plain numbers, without derivatives.
     pub(crate) fn values(&self) -> ElasticPoint {
         let material = |m: &Material<D>| Material {
             youngs_modulus: m.youngs_modulus.re(),
@@ -101,8 +101,8 @@ impl<D: Scalar> ElasticPoint<D> {
         ]
     }
 
-    /// Returns the operating point in scaled units, which are multiples of the ball radius, the
-    /// axial load per ball and the relative speed (P1).
+    /// Returns the operating point in scaled units, which are based on the ball radius, the axial
+    /// load per ball and the relative speed (P1).
     ///
     /// # Errors
     ///

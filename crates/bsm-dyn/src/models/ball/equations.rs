@@ -18,8 +18,7 @@ pub(crate) fn variables<const N: usize>(x: &[f64; N]) -> [Jet<N>; N] {
 /// with jets.
 ///
 /// # Errors
-///
-/// Returns the error of `residual`.
+/// Returns the error that `residual` returns.
 pub(crate) fn linear<const N: usize, const M: usize>(
     x: &[f64; M],
     residual: impl FnOnce(&[Jet<M>; M]) -> Result<[Jet<M>; N], EvalError>,

@@ -58,8 +58,8 @@ pub struct OperatingPoint<D = f64> {
     pub load: Load<D>,
 }
 
-/// An operating point in scaled units, which are multiples of the ball radius, the axial load per
-/// ball and the relative speed.
+/// An operating point in scaled units, which are based on the ball radius, the axial load per ball
+/// and the relative speed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ScaledPoint<D> {
     /// Helix of the ball centers, whose radius is the ratio `$r_m/r_b$` in scaled units.
@@ -138,8 +138,8 @@ impl<D: Scalar> OperatingPoint<D> {
         Ok(())
     }
 
-    /// Returns the operating point in scaled units, which are multiples of the ball radius, the
-    /// axial load per ball and the relative speed (R1).
+    /// Returns the operating point in scaled units, which are based on the ball radius, the axial
+    /// load per ball and the relative speed (R1).
     ///
     /// # Errors
     ///

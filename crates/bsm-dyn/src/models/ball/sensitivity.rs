@@ -70,8 +70,7 @@ pub(crate) fn moving_root<const N: usize, const M: usize>(
 /// * `at`: function that returns the performance with the inertia multiplied by its argument.
 ///
 /// # Errors
-///
-/// Returns the first error of the function `at`.
+/// Returns the first error that the function `at` returns.
 pub(crate) fn inertia_limit<D: Scalar, E>(
     factor: f64,
     mut at: impl FnMut(f64) -> Result<Performance<D>, E>,

@@ -275,8 +275,8 @@ pub struct ControllingRaceway {
 pub struct Alternatives {
     /// Number of other admissible solutions.
     pub count: usize,
-    /// Efficiency of the other solution whose efficiency differs most from this solution; `None` if
-    /// there is no other solution.
+    /// Efficiency of the alternative solution whose efficiency differs most from the efficiency of
+    /// this solution; `None` if there is no alternative solution.
     pub farthest_efficiency: Option<f64>,
 }
 
@@ -300,8 +300,8 @@ impl<F: Real> SteadyState<F> {
 }
 
 impl SteadyState {
-    /// Adds information about other solutions of the same equations: their number, and the
-    /// efficiency that differs most from the efficiency of this solution.
+    /// Adds information about other solutions of the same equations: the number of these solutions,
+    /// and the efficiency that differs most from the efficiency of this solution.
     pub(crate) fn with_alternatives(self, alternatives: impl Iterator<Item = Self>) -> Self {
         let alternatives: Vec<_> =
             alternatives.map(|other| other.transmission.efficiency).collect();

@@ -237,12 +237,12 @@ impl<'a> SlidingCurve<'a> {
         let (ball, start) = (self.ball, self.start);
         let [log, screw, c] = start.point;
         let scale = start.scale(&ball);
-        // The search starts at about a seventh (exp(−2)) of the inertia that the root would have on
-        // a straight curve.
+        // The search starts at about one seventh (exp(−2)) of the inertia at which a straight curve
+        // would reach the root.
         let mut rise = self.rise().min(-LOG_NO_INERTIA) - 2.0;
         while rise > 0.0 {
-            // The inertia ratio at a root contains the factor (`inertia / drive`)². Along a
-            // straight curve, this factor changes by less than a factor of seven.
+            // The inertia ratio at a root contains the factor (`inertia / drive`)². On the straight
+            // part of the curve, this factor changes by a factor of less than seven.
             let state = ball.iterate::<false>([log + rise, screw, c], &scale, true);
             self.count(state.steps);
             if state.converged && state.is_straight_from(&start, &scale, STRAIGHTNESS_TOL) {

@@ -9,9 +9,9 @@ use crate::contact::Sines;
 use crate::cost;
 use crate::models::ball::{ElasticContacts, ScaledBall};
 
-/// A ball that slides at both contacts, in scaled units (multiples of the ball radius, the axial
-/// load per ball and the relative speed). Arrays with two elements contain the values at the nut
-/// and the screw.
+/// A ball that slides at both contacts, in scaled units, which are based on the ball radius, the
+/// axial load per ball and the relative speed. Arrays with two elements contain the values at the
+/// nut and the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingBall<P> {
     /// Friction coefficient with the sign of the relative speed, `$F = f\,\mathrm{sign} W$`.
@@ -108,10 +108,9 @@ impl From<&ElasticContacts> for SlidingBall<f64> {
 
 impl<F: Real> SlidingBall<F> {
     /// Returns the efficiency of a ball without inertia at its contact angle under load, accurate
-    /// to two digits. The efficiency is zero if friction alone holds any load.
-    ///
+    /// to two digits. The efficiency is zero if friction alone can hold any load.
     /// The contact angle is calculated with a few steps of a fixed-point iteration. If friction
-    /// holds the load at an intermediate contact angle, this angle is increased.
+    /// alone can hold the load at an intermediate contact angle, this contact angle is increased.
     ///
     /// * `back`: true if the load back-drives the screw.
     #[inline(always)]
@@ -140,8 +139,8 @@ impl<F: Real> SlidingBall<F> {
         F::select(carried, sines.efficiency(back, friction), zero)
     }
 
-    /// Returns the sines and cosines of the lead angle and of the contact angle with the given
-    /// cosine.
+    /// Returns the sines and cosines of the lead angle and of the contact angle whose cosine is
+    /// given.
     #[inline(always)]
     fn at_angle(&self, cos_b: F) -> Sines<F> {
         let sin_b = ((-cos_b + 1.0) * (cos_b + 1.0)).sqrt();
@@ -224,7 +223,7 @@ impl<P: Real> SlidingBall<P> {
 
     /// Returns the cotangents `$x$` of the slip angles and the value of `$c$` for equal contact
     /// angles with a given cotangent, together with the effective load component. This component is
-    /// positive unless friction holds the load.
+    /// positive unless friction alone can hold the load.
     #[inline(always)]
     pub fn equal_angles<D: RealOver<P>>(&self, cot: D) -> ([D; 2], D) {
         let sin = (cot.square() + 1.0).sqrt().recip();

@@ -20,9 +20,9 @@ pub(super) const LOG_NO_INERTIA: f64 = -700.0;
 /// inertia increases monotonically.
 pub(super) const STRAIGHTNESS_TOL: f64 = 0.1;
 
-/// Maximum change of `$x_A$`, `$x_B$` and `$c$` up to which the equilibrium curve is treated as
-/// straight, in units of [`STRAIGHTNESS_TOL`] times the scale of the coordinate (dimensionless).
-/// The scale is about a third of the coordinate.
+/// Maximum change of `$x_A$`, `$x_B$` and `$c$` along a section of the equilibrium curve that is
+/// treated as straight, in units of [`STRAIGHTNESS_TOL`] times the scale of the coordinate
+/// (dimensionless). The scale is about a third of the coordinate.
 const MAX_POSITION_CHANGE: f64 = 3.0;
 
 /// Residual tolerance of (S14) and (S20) for a final result (dimensionless). Newton's method
@@ -44,8 +44,8 @@ const STATE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-8, max_length: 2.0, m
 const ANGLE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-4, max_length: 1.0, max_steps: 8 };
 
 /// Largest ratio of normal load to axial load (dimensionless) at which a root found directly by
-/// Newton's method is accepted. Above this ratio, friction nearly holds the axial load, and
-/// rounding errors affect the result.
+/// Newton's method is accepted. Above this ratio, friction alone can nearly hold the axial load,
+/// and rounding errors affect the result.
 const MAX_ACCURATE_LOAD_RATIO: f64 = 1e3;
 
 /// Largest ratio of nut speed to relative speed (dimensionless) at which a root found directly by
@@ -172,7 +172,7 @@ impl<F: Real> CurveState<F> {
 }
 
 /// Returns the ratio of the rounding errors of the residuals to [`RESIDUAL_TOL`], but at least one.
-/// Rounding errors are large if friction nearly holds the load, because `$Y$` is then the
+/// Rounding errors are large if friction alone can nearly hold the load, because `$Y$` is then the
 /// reciprocal of a small difference.
 #[inline(always)]
 pub(super) fn rounding_floor<F: Real>(state: &SlidingState<F>) -> F {
@@ -209,7 +209,7 @@ impl<F: Real> SlidingBall<F> {
 
     /// Returns the spin moment `$s$` of a steady motion (S28).
     ///
-    /// * `tilt`: cosine of the tilt `$\nu$`.
+    /// * `tilt`: cosine of the tilt angle `$\nu$`.
     /// * `mean`: sine of the mean contact angle.
     #[inline(always)]
     pub(super) fn spin_moment(
@@ -261,9 +261,9 @@ where
     pub(super) fn first(&self, start: &CurveState<F>, any: bool) -> SlidingRoot<F> {
         let (zero, one, scale) =
             (self.friction.constant(0.0), self.friction.constant(1.0), start.scale(self));
-        // On a straight curve, M is proportional to q. If the speeds of the nut and the screw are
-        // nearly equal, the inertia at the beginning of the curve underflows, but its logarithm
-        // does not.
+        // Where the equilibrium curve is straight, M is proportional to q. If the nut and the screw
+        // turn at nearly the same speed, the inertia at the beginning of the curve underflows, but
+        // the logarithm of the inertia does not.
         let root = self.inertia_ratio.ln() - start.at.log_inertia() + LOG_NO_INERTIA;
         let inside =
             start.converged & root.lt(one * START_DISTANCE) & root.gt(one * LOG_NO_INERTIA);
@@ -393,8 +393,7 @@ where
 
     /// Finds a force equilibrium near a starting value, with the given tolerances.
     ///
-    /// * `below`: difference in `$\ln\mu$` by which the inertia ratio of the steady motion is below
-    ///   the inertia ratio of the ball.
+    /// * `below`: `$\ln\mu$` of the ball minus `$\ln\mu$` of the steady motion.
     #[inline(always)]
     fn iterate_to<const STEADY: bool>(
         &self,
@@ -472,8 +471,7 @@ struct StateEquations<'a, F, const STEADY: bool> {
     ball: &'a SlidingBall<F>,
     /// Scales of `$x_B$` and `$c$`; the scale of `$\ln q$` is one.
     scale: [F; 2],
-    /// Difference in `$\ln\mu$` by which the inertia ratio of the steady motion is below the
-    /// inertia ratio of the ball.
+    /// Difference `$\ln\mu$` of the ball minus `$\ln\mu$` of the steady motion.
     below: F,
 }
 

@@ -28,8 +28,8 @@ fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; 
     let along = (sin / cos).atan2(nut.cos()) + noise * rng.random_range(-PI..PI);
     let effect = nut.sin() * cos - friction * (along.cos() * cos * nut.cos() + along.sin() * sin);
     let load = effect.recip();
-    // The precession rate is either a few times the relative speed W, or it is calculated from a
-    // random centrifugal force.
+    // The precession rate is either drawn from a range of a few times the relative speed W or
+    // calculated from a random centrifugal force.
     let rate = if rng.random_bool(0.5) {
         rng.random_range(-1.5..2.0) + contacts.scaled.nut_speed
     } else {

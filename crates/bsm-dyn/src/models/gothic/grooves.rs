@@ -15,7 +15,8 @@ use crate::models::ball::{
 /// screw +, screw −. The + flanks carry a positive axial load.
 pub const FLANKS: usize = 4;
 
-/// Fit of a ball in the gothic arches: axial play, radial gap and oversize.
+/// Fit of a ball between the gothic-arch grooves of nut and screw: axial play, radial gap and
+/// oversize of the ball.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ArchFit<D = f64> {
     /// Axial play `$s$` of one nut with a ball of nominal diameter \[m\], not negative. Half of the
@@ -67,12 +68,12 @@ pub struct Grooves<D = f64> {
 const MAX_SHIFT_RATIO: f64 = 0.5;
 
 impl ArchFit {
-    /// Fit with infinite axial play, for which no ball touches a far flank.
+    /// Ball fit with infinite axial play, for which no ball touches a far flank.
     pub const WIDE: Self = Self { axial_play: f64::INFINITY, radial_gap: 0.0, oversize: 0.0 };
 }
 
 impl<D: Scalar> ArchFit<D> {
-    /// Returns the fit without derivatives.
+    /// Returns a copy of the ball fit in plain numbers, without derivatives.
     pub(crate) fn values(&self) -> ArchFit {
         ArchFit {
             axial_play: self.axial_play.re(),
@@ -138,7 +139,8 @@ impl<P: Scalar> Grooves<P> {
         }
     }
 
-    /// Creates the gothic arches of the nut and the screw around a ball with the given fit.
+    /// Creates the gothic arches of the nut and the screw around a ball with the given axial play,
+    /// radial gap and oversize.
     ///
     /// # Errors
     ///
@@ -173,14 +175,14 @@ impl<P: Scalar> Grooves<P> {
         self.offsets[0] + self.offsets[1] - self.oversize * 2.0
     }
 
-    /// Returns the component along the principal normal of the distance \[m\] between the arc
-    /// centers of the + flanks of the nut and the screw.
+    /// Returns the distance \[m\] between the arc centers of the + flanks of the nut and the screw,
+    /// measured along the principal normal.
     fn height(&self) -> P {
         self.outward[0] + self.outward[1] - self.radial_gap
     }
 
-    /// Returns the distance `$e$` of the arc center of the nut (0) or the screw (1) from the middle
-    /// of the groove \[m\].
+    /// Returns the distance `$e$` \[m\] between the middle of the groove and its arc center, at the
+    /// nut (0) or the screw (1).
     #[inline(always)]
     fn center(&self, body: usize) -> P {
         self.across[body] - self.shift
@@ -232,8 +234,8 @@ impl<P: Scalar> Grooves<P> {
 }
 
 impl Grooves {
-    /// Returns the component along the binormal of the distance \[m\] between the arc centers of
-    /// the + flanks of the nut and the screw, for the middle position of the nut.
+    /// Returns the distance \[m\] between the arc centers of the + flanks of the nut and the screw,
+    /// measured along the binormal, for the middle position of the nut.
     fn width(&self) -> f64 {
         self.across[0] + self.across[1] - 2.0 * self.shift
     }

@@ -61,8 +61,8 @@ impl GothicPair {
         Ok(Self { driving, offset })
     }
 
-    /// Solves for the steady motion of both nuts under an external load \[N\] on the driving ball
-    /// (AC8).
+    /// Solves for the steady motion of both nuts under an external load \[N\] on the nut that moves
+    /// against its axial force (AC8).
     ///
     /// # Errors
     ///

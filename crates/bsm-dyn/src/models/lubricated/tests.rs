@@ -191,9 +191,9 @@ fn loss_uncertainty_of_a_skidding_ball_matches_independent_random_draws() {
         // The tolerance is the standard error of the difference between two quantiles (5 % or 95 %)
         // from `draws` draws and from 250 draws, for normal distributions. The density at these
         // quantiles is 0.103 divided by the standard deviation, and the interval is 3.29 standard
-        // deviations wide. Twice this tolerance would not detect the use of raceway control. At the
-        // first point, twice the tolerance would be 0.19, and the lower limit is 0.62 for traction
-        // and 0.51 for raceway control.
+        // deviations wide. With twice this tolerance, the test would not detect an incorrect use of
+        // raceway control: at the first point, twice the tolerance is 0.19, but the lower limits
+        // for traction (0.62) and for raceway control (0.51) differ by only 0.11.
         let variance = 0.05 * 0.95 * (f64::recip(draws) + f64::recip(250.0));
         let error = variance.sqrt() * (high - low) / (3.29 * 0.103);
         assert!((interval.loss[0] - low).abs() < error, "{error}: {interval:?}");
@@ -215,7 +215,7 @@ fn very_rough_surfaces_have_a_constant_friction_coefficient() {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         let dry = Traction { screw, accuracy, creep };
         let dry = dry.solve(&mut crate::model::TractionWorkspace::default());
-        // The tolerance allows for the quadrature errors of both efficiencies.
+        // The tolerance allows for the quadrature errors of the lubricated and the dry efficiency.
         assert_relative_eq!(lubricated, dry.efficiency().unwrap(), max_relative = 1e-7);
     }
 }
@@ -328,8 +328,8 @@ fn single_friction_coefficient_per_contact_changes_the_loss_by_a_few_percent() {
         [200, 380, 399].map(|place| off[place])
     });
     println!("sliding {sliding:?}, all {all:?}");
-    // An independent calculation for 120 screws found a median error of the sliding power of 0.7 %,
-    // a 95 % quantile of 6.6 %, and a maximum error of the total power loss of 3.2 %.
+    // An independent calculation for 120 screws found a median of 0.7 % and a 95 % quantile of 6.6
+    // % for the error of the sliding power. The largest error of the total power loss was 3.2 %.
     assert!(sliding[0] < 0.02 && sliding[1] < 0.1 && sliding[2] < 0.2, "{sliding:?}");
     assert!(all[0] < 0.01 && all[2] < 0.06, "{all:?}");
 }

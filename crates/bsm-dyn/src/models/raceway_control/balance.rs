@@ -241,7 +241,7 @@ impl Balance<'_> {
 
     /// Returns the largest difference of the cotangents for which both contacts are on their
     /// flanks. At this difference, the contact angle at the screw is 90 degrees. If no such
-    /// difference is found, returns the square root of the largest double.
+    /// difference is found, returns the square root of the largest floating-point number.
     fn max_difference(&self) -> f64 {
         let difference = |cot: f64| {
             self.statics.contact(0, cot).radial_component() - self.statics.radial_distance

@@ -50,9 +50,10 @@ impl<P: Scalar> From<&ElasticContacts<P>> for RacewayBall<P> {
 }
 
 impl<F: Real> RacewayBall<F> {
-    /// Returns the relative excess of the spin friction moment at the nut over the moment at the
-    /// screw. The moment at the nut is multiplied by the cosine of the difference between the
-    /// contact angles (W7). The nut is the controlling raceway if the excess is positive.
+    /// Returns the relative excess of the spin friction moment at the nut over the spin friction
+    /// moment at the screw. For the comparison, the moment at the nut is multiplied by the cosine
+    /// of the difference between the contact angles (W7). The nut is the controlling raceway if the
+    /// excess is positive.
     ///
     /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway
     /// control.
@@ -68,10 +69,9 @@ impl<F: Real> RacewayBall<F> {
 
     /// Returns true if (W7) selects the same raceway for the nut-controlled ball and for the
     /// screw-controlled ball.
-    ///
-    /// The centrifugal forces of the two balls differ, so the cotangents of their contact angles
-    /// differ by `$\Delta c$` (W16). To first order, this changes the ratio of the spin moments by
-    /// at most `$\Delta c$`.
+    /// The centrifugal forces of the nut-controlled and the screw-controlled ball differ, so the
+    /// cotangents of their contact angles differ by `$\Delta c$` (W16). To first order, this
+    /// difference changes the ratio of the spin moments by at most `$\Delta c$`.
     ///
     /// * `excess`: relative excess of the spin moment (W7) for the given contacts.
     #[inline(always)]

@@ -87,8 +87,9 @@ impl<F: Real> RollingRoot<F> {
         found = found & excess.abs().gt(min_excess);
         let is_screw_unique = screw.is_unique(found);
 
-        // If the two sides of (W7) are nearly equal, this criterion is also evaluated for the
-        // screw-controlled ball, where it must not select the screw.
+        // If the two sides of (W7) are nearly equal, the criterion is also evaluated for the
+        // screw-controlled ball. Nut control is accepted only if the criterion selects the nut for
+        // this ball as well.
         let close = found & by_nut & !ball.is_control_unambiguous(&sides, excess);
         if F::any(close) {
             let mut other = LaneIterate { has_ended: !close, ..at };

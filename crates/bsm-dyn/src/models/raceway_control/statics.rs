@@ -241,8 +241,8 @@ impl<F: Real> StaticBalance<F> {
             }
             let screw =
                 self.screw_cotangent_to(BOUND_CLOSURE_TOL, bound) - unloaded * BOUND_CLOSURE_TOL;
-            // A smaller cotangent gives a larger |P|. A lower limit keeps the cotangent positive if
-            // the bound is beyond the flanks.
+            // A smaller cotangent at the screw gives a larger |P|. If the bound on c corresponds to
+            // contact angles beyond the flanks, the cotangent is set to a small positive value.
             let at = [bound, screw.larger(unloaded * f64::EPSILON)];
             unique = unique | self.is_first(at);
             // c ← μ cosα (P(c)/W)²                                        (W18)
@@ -303,11 +303,12 @@ impl<F: Real> LaneEquations<F, STATIC_UNKNOWNS> for StaticBalance<F> {
     }
 }
 
-/// Evaluation of the precession rate `$P/W$` for increasing differences of the cotangents. Above
-/// the largest difference that any root can have, the rate is not evaluated but set to zero.
+/// Evaluation of the precession rate `$P/W$` for increasing differences between the cotangents of
+/// the contact angles. Above the largest difference that any root can have, the rate is not
+/// evaluated but set to zero.
 pub(super) struct Rates<'a, const N: usize> {
     pub(super) balance: &'a StaticBalance<f64>,
-    /// Differences of the cotangents, in ascending order.
+    /// Differences between the cotangents of the contact angles, in ascending order.
     pub(super) differences: &'a [f64; N],
 }
 

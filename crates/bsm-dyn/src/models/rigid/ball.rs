@@ -12,8 +12,8 @@ use crate::models::ball::{BALL_UNKNOWNS, is_in_range};
 /// and `$t$` (along the helix).
 pub type Plane<D> = [D; 2];
 
-/// An operating point in scaled units, which are multiples of the ball radius, the axial load per
-/// ball and the relative speed (R1).
+/// An operating point in scaled units, which are based on the ball radius, the axial load per ball
+/// and the relative speed (R1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidBall<P = f64> {
     /// Sines and cosines of lead angle `$\alpha$` and contact angle `$\beta$`.
@@ -274,7 +274,7 @@ impl<F: Real> RigidBall<F> {
     }
 
     /// Returns the ratio of axial load to normal load for a ball without inertia. The ratio is not
-    /// positive if friction holds any axial load.
+    /// positive if friction alone can hold any axial load.
     #[inline(always)]
     pub(super) fn axial_load_ratio(&self) -> F {
         self.k_n - self.signed * self.h

@@ -137,7 +137,8 @@ impl CurveEquations<BALL_UNKNOWNS, BRANCH_UNKNOWNS> for Branch<'_> {
         let mut sizes = [1.0; BRANCH_UNKNOWNS];
         sizes[UNLOADED_FLANK_LOAD] = rate * rate + z[UNLOADED_FLANK_LOAD].abs();
         // With increasing inertia, either the ball stops orbiting or it comes to rest relative to
-        // the nut. One of the two precession rates then approaches zero.
+        // the nut. Accordingly, either the absolute precession rate or the precession rate relative
+        // to the nut approaches zero.
         sizes[PRECESSION] = p.abs().min(rate.abs());
         sizes[AXIAL] = ball.k_n + z[AXIAL].abs();
         sizes

@@ -66,8 +66,7 @@ impl<P: Scalar> RigidEquations<P> {
     /// e_x)$`, and axial load.
     ///
     /// # Errors
-    ///
-    /// Returns the errors of [`motion`](Self::motion).
+    /// Returns an error if [`motion`](Self::motion) fails.
     pub(super) fn residual<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
         cost::count_evaluation();
         // The motion is passed by reference, because a motion with derivatives takes several
@@ -122,7 +121,8 @@ impl RigidBall<f64> {
     /// Returns the weights of the equations, calculated from the magnitudes of their terms at a
     /// root (R44). These weights are suitable for any ratio of inertia forces to load.
     ///
-    /// * `load`: typical normal load in the unit of force, of the order of the axial load per ball.
+    /// * `load`: typical normal load in the force unit of the equations, of the order of the axial
+    ///   load per ball.
     pub(super) fn own_weights(&self, motion: &RigidMotion<f64>, load: f64) -> [f64; BALL_UNKNOWNS] {
         let (p, rate) = (motion.precession.abs(), motion.rate.abs());
         // U = max(1, μ(P/W)²),  M = max(U, I |P/W| (|λ| + |p| d/r_b))     (R44)
@@ -209,8 +209,8 @@ mod tests {
                 let scale = 1.0 + exact.norm();
                 prop_assert!((difference - exact.column(j)).norm() <= 1e-6 * scale, "{j}");
                 for i in 0..BALL_UNKNOWNS {
-                    // Both calculations perform the same operations and differ only by rounding
-                    // errors.
+                    // The derivatives from `Jet` and from `jacobian` result from the same
+                    // operations and differ only by rounding errors.
                     prop_assert!((jets[i].eps[j] - exact[(i, j)]).abs() <= 1e-12 * scale);
                 }
             }

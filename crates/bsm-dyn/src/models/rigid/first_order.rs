@@ -124,8 +124,8 @@ impl<F: Real> FirstOrder<F> {
         self.load.gt(zero) & self.unloaded.gt(zero)
     }
 
-    /// Returns true if the normal load is so small that its rounding errors do not affect the
-    /// sweeps. The normal load is large near self-locking.
+    /// Returns true if the normal load is so small that rounding errors of the load do not affect
+    /// the sweeps. The normal load is large near self-locking.
     #[inline(always)]
     pub fn is_accurate(&self) -> F::Mask {
         self.load.abs().lt(self.load.constant(MAX_SWEEP_LOAD_RATIO))

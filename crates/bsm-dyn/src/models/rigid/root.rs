@@ -79,8 +79,8 @@ pub(crate) fn find(
         return Ok(BallRoot { motion: swept.motion, steps, residual, alternatives });
     }
     // If the sweeps converge to an inadmissible motion, the branch is inadmissible at the actual
-    // inertia. If a second root is excluded, this also holds for an inadmissible motion that the
-    // sweeps leave unchanged.
+    // inertia. If a second root is excluded, it is sufficient that the friction directions of the
+    // sweeps become stationary at an inadmissible motion.
     if swept.converged || (swept.stationary && first.is_unique) {
         let reason = inadmissible(&swept);
         return Err(unless_first_order_contradicts(
@@ -109,8 +109,7 @@ pub(crate) fn find(
 /// roots as alternatives.
 ///
 /// # Errors
-///
-/// Returns the errors of [`find`].
+/// Returns an error if [`find`] fails.
 pub(super) fn find_all(
     ball: &RigidBall<f64>,
     work: &mut RigidWorkspace,
@@ -172,7 +171,8 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     let reason = if first.rate == 0.0 {
         Reason::BallDoesNotOrbit
     } else if first.load <= 0.0 {
-        // The difference between these two terms is the denominator of the load formula (R17).
+        // The difference between `sin_contact_angle` and `friction_term` is the denominator of the
+        // load formula (R17).
         let (sin_contact_angle, friction_term) = locking_terms(ball);
         if friction_term - sin_contact_angle < error * friction_term {
             return None;

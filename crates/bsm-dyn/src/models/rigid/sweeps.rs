@@ -13,8 +13,9 @@ use super::sweep::SweepState;
 /// by continuation.
 const MAX_SWEEPS: usize = 64;
 
-/// Maximum number of sweeps after which a stationary state that is not a root still counts as
-/// evidence that there is no root. Iterations that need more sweeps can miss a root.
+/// Maximum number of sweeps for a negative result: if the sweeps become stationary within this
+/// number, but not at a root, this counts as evidence that there is no root. Iterations that need
+/// more sweeps can miss a root.
 const MAX_SWEEPS_WITHOUT_ROOT: f64 = 24.0;
 
 /// Maximum ratio of inertia force to friction force at which converged sweeps are accepted. The

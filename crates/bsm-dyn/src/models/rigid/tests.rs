@@ -319,8 +319,8 @@ fn second_solution_is_reported_where_the_efficiency_jumps() {
     let (after, alternatives, _) = answered(55.13, &mut work);
     assert_eq!(alternatives, 0);
     assert_relative_eq!(before, 0.92698, epsilon = 2e-4);
-    // A change of 0.01 degrees changes the efficiency of the third root by less than a hundredth of
-    // the jump.
+    // A change of the contact angle by 0.01 degrees changes the efficiency of the third root by
+    // less than a hundredth of the jump.
     assert_relative_eq!(goes_on.expect("another"), after, epsilon = 5e-5);
 }
 
@@ -650,8 +650,8 @@ fn root_exists_at_reported_nearest_inertia() {
             continue;
         };
         named += 1;
-        // The branch ends at the reported inertia, so the test uses an inertia that is 0.1 % inside
-        // the branch.
+        // The branch ends at the reported inertia. The test uses an inertia on the branch that
+        // differs from the reported inertia by 0.1 %.
         let back = if nearest_ratio < inertia_ratio { 0.999 } else { 1.001 };
         let axial = rigid.load.axial * inertia_ratio / (back * nearest_ratio);
         balanced_root(&OperatingPoint { load: Load { axial, ..rigid.load }, ..rigid });

@@ -52,7 +52,7 @@ const DEFAULT_LIMITS: (usize, u32) = (20, 6);
 
 /// Error that is returned if no contact angles exist for the given loads and tilt.
 const CONTACT_LOST: EvalError = EvalError {
-    quantity: "contact angle of a ball at nut or screw",
+    quantity: "contact angle of the ball at the nut or the screw",
     value: f64::NAN,
     requirement: "no contact angle exists for the given loads and tilt",
 };
@@ -80,7 +80,7 @@ pub(super) struct SlipBall<'a, P = f64> {
     pub(super) limits: (usize, u32),
 }
 
-/// Lubricant data of a ball, and the way in which friction is calculated from them.
+/// Lubricant data of a ball, and the method of calculating friction from these data.
 #[derive(Clone, Copy)]
 pub(super) struct Lubrication<'a, P = f64> {
     pub(super) ehl: &'a EhlPoint<P>,

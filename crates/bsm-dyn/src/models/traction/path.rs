@@ -68,7 +68,7 @@ struct InertiaPath {
     off_flank: Option<[f64; 2]>,
     /// Unknowns at the last point of the path.
     end: [f64; BALL_UNKNOWNS],
-    /// True if the path was followed to its end, or to the root at which it was ended.
+    /// True if the path was followed to its end or was deliberately stopped at a root.
     is_complete: bool,
 }
 
@@ -197,13 +197,11 @@ impl SlipBall<'_> {
     }
 
     /// Returns the unknowns of a ball without inertia.
-    ///
-    /// The path to this ball starts from a ball with small friction. First, the creep speed is
-    /// lowered; then, friction is increased to its actual value.
+    /// The calculation follows a path that starts from a ball with small friction. First, the creep
+    /// speed is lowered; then, friction is increased to its actual value.
     ///
     /// # Errors
-    ///
-    /// Returns [`PathResult::OffFlank`] if the ball leaves its flanks along this path, and
+    /// Returns [`PathResult::OffFlank`] if the ball leaves its flanks along the path, and
     /// [`PathResult::Lost`] if path tracking fails.
     fn without_inertia(
         &self,
@@ -255,7 +253,8 @@ impl SlipBall<'_> {
         })
     }
 
-    /// Returns the last root that was found on a path or, if there is none, the reason.
+    /// Returns the last root that was found on a path or, if no root was found, the reason why
+    /// there is none.
     fn first_on(&self, path: &InertiaPath) -> PathResult {
         let InertiaPath { roots, off_flank, end, is_complete } = path;
         if let Some(root) = roots.last() {
@@ -274,7 +273,7 @@ impl SlipBall<'_> {
     ///
     /// * `sense`: 1 if the precession rate that determines the inertia forces moves toward the
     ///   precession rate of the ball without inertia, and -1 if it moves away from that rate.
-    /// * `is_last`: function that returns true if the path ends at a root.
+    /// * `is_last`: function that returns true if the path is to end at the given root.
     fn beginning_at_rest(
         &self,
         y: &[f64; BALL_UNKNOWNS],

@@ -70,7 +70,8 @@ impl SlipBall<'_> {
     /// rotation about t and the spin change linearly. Returns `None` if a contact is lost at either
     /// end of the step or if the spin exceeds [`MAX_SPIN`].
     ///
-    /// * `straight`: unknowns after the same step if all unknowns changed linearly.
+    /// * `straight`: unknowns at the end of the step if all unknowns changed linearly along the
+    ///   step.
     fn with_linear_slips(
         &self,
         y: &[f64; BALL_UNKNOWNS],

@@ -87,7 +87,7 @@ fn root_from_random_starts(
 struct SearchCounts {
     no_solution: [usize; 2],
     undecided: [usize; 2],
-    /// Counts for the first hundred points with a solution.
+    /// Counts for the first hundred operating points that have a solution.
     found: [usize; 2],
     /// Counts for further points that have a solution but that Newton's method did not solve from
     /// its first starting values.
@@ -254,7 +254,7 @@ fn first_motion_on_the_branch_is_the_reported_motion() {
         let Ok(reported) = traction.solve(&mut work).result else { continue };
         let branch = traction.branch(&mut work).expect("a complete branch");
         let [found, expected] = [branch[0], reported].map(|state| state.transmission.efficiency);
-        // Both are refined with the same quadrature to a residual of 1e-10.
+        // The two solutions are refined with the same quadrature to a residual of 1e-10.
         assert_relative_eq!(found, expected, epsilon = 1e-9);
         compared += 1;
     }
@@ -305,7 +305,8 @@ fn equations_agree_with_force_and_moment_vectors() {
         // the normal force, the inertia force, the friction moment and the gyroscopic moment.
         let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         // The precession rate relative to the nut is the difference between the absolute precession
-        // rate and the nut speed, so the rounding error of this difference depends on both.
+        // rate and the nut speed, so its rounding error depends on the magnitudes of the absolute
+        // precession rate and of the nut speed.
         let rates = rate.abs() + contacts.scaled.nut_speed.abs();
         let centrifugal = contacts.inertia_ratio() * rate.abs() * rates;
         let gyroscopic = contacts.scaled.ball().inertia() * rates * turning;

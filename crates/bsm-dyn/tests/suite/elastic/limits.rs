@@ -66,7 +66,8 @@ fn traction_agrees_with_raceway_control_for_rolling_balls() {
         }
     }
     assert!(tried > 150, "{tried}");
-    // In a larger sample of random screws, both models agree at 98.6 % of the points.
+    // In a larger sample of random screws, the efficiencies of raceway control and traction agree
+    // at 98.6 % of the points.
     assert!(apart * 100 <= 3 * tried, "{apart} of {tried}");
 }
 
@@ -144,7 +145,8 @@ fn screw_scaled_in_length_and_force_has_the_same_dimensionless_motion() {
         (traction(screw, 1e-6, 1e-4), traction(large, 1e-6, 1e-4)),
         (solve_elastic(screw), solve_elastic(large)),
     ] {
-        // The results in scaled units differ only by rounding errors.
+        // The two screws are identical in scaled units, so their results differ only by rounding
+        // errors.
         assert_relative_eq!(
             one.transmission.efficiency,
             other.transmission.efficiency,
@@ -339,7 +341,7 @@ proptest! {
             // Friction always causes a power loss.
             prop_assert!((torque - ideal) * speed > 0.0);
             // The tolerance follows from the residual of the equations, which is at most 1e-10. The
-            // error of the power balance is divided by the input power.
+            // error of the power balance is given relative to the input power.
             prop_assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
             prop_assert!(o.info.expect("an iteration").residual <= 1e-10);
         }
