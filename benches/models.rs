@@ -18,8 +18,8 @@ fn lin_rigid() -> Rigid {
     }
 }
 
-/// Measures the time to evaluate residual and Jacobian for Lin's case at the first-order starting
-/// point.
+/// Measures the time to evaluate the residual and the Jacobian for Lin's case at the first-order
+/// starting point.
 fn equations(c: &mut Criterion) {
     let system = RigidSystem::of(&lin_rigid()).expect("friction and speed");
     c.bench_function("rigid/residual", |b| {
@@ -68,8 +68,8 @@ fn one_point(c: &mut Criterion) {
     });
 }
 
-/// Returns the settings of all models. Model traction is included with several accuracies, and
-/// `auto` with two tolerances.
+/// Returns the settings of all models. The `traction` model is included with several accuracies,
+/// and `auto` with two tolerances.
 fn settings() -> Vec<(String, Settings)> {
     let auto = |tolerance| Settings { tolerance, ..Settings::default() };
     let mut all: Vec<_> =

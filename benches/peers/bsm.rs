@@ -60,7 +60,7 @@ impl Table {
 
     /// Solves the table on the threads of the current thread pool. The results are written into a
     /// buffer that is reused, as in the table writers and in Python, because allocating new memory
-    /// takes a tenth of the time.
+    /// would take a tenth of the solution time.
     pub(crate) fn solve(&self) -> MutexGuard<'_, Answers> {
         let mut answers = self.answers.lock().expect("no solve has panicked");
         let Answers { verdicts, columns, .. } = &mut *answers;
@@ -107,8 +107,8 @@ pub(crate) fn reference(case: &Case) -> Option<Answer> {
     ])
 }
 
-/// Converts outputs to an answer. The unknowns are calculated from the ball motion and the slip at
-/// contact A.
+/// Converts the outputs of a solution to an [`Answer`] for the comparison. The unknowns are
+/// calculated from the ball motion and the slip at contact A.
 pub(crate) fn answer(numbers: &Numbers, point: &Point) -> Answer {
     let [ball_mm, pitch_mm, lead_deg, _, _, density, screw_rpm, nut_rpm, axial, balls] = *point;
     let (r_b, r_m) = (0.5e-3 * ball_mm, 0.5e-3 * pitch_mm);

@@ -1,6 +1,6 @@
-//! Independent implementation of the rigid model for those compared solvers that run their own
-//! Newton iteration on given equations. It contains the conversion from user units, the starting
-//! point, the residual, the analytic Jacobian and the outputs.
+//! Independent implementation of the rigid model for the compared solvers that run their own Newton
+//! iteration on given equations. It contains the conversion from user units, the starting point,
+//! the residual, the analytic Jacobian and the outputs.
 //!
 //! The equations are those of `docs/theory/04-rigid.md` with the unknowns `Q_A/F_a, Q_A'/F_a,
 //! Q_B/F_a, p, u, τ, s`. Speeds are divided by W including its sign, so driving and back-driving
@@ -25,7 +25,8 @@ pub(crate) const MAX_STEPS: usize = 8;
 /// Efficiency; loads of the contacts A, A' and B \[N\]; and the unknowns p, u, τ, s.
 pub(crate) type Answer = [f64; 8];
 
-/// An operating point whose quantities are divided by ball radius, axial load and relative speed W.
+/// An operating point in dimensionless form. Lengths are scaled by the ball radius, forces by the
+/// axial load, and speeds by the relative speed W.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct System {
     /// Friction coefficient with the sign of W, `F = sign(W) f`.

@@ -114,7 +114,7 @@ fn reference(case: &Case) -> Option<Reference> {
 
 type Answers = Vec<Option<Answer>>;
 
-/// A function that solves all points and returns the elapsed time and the answers.
+/// A function that solves all points and returns the elapsed time and the results.
 type Run<'a> = Box<dyn FnMut() -> (Duration, Answers) + 'a>;
 
 /// Minimum duration of a measurement. A shorter measurement would mainly measure how long a thread

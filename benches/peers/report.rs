@@ -8,11 +8,10 @@ use serde::{Deserialize, Serialize};
 use crate::equations::Answer;
 
 /// Largest difference between two results that counts as agreement.
-///
-/// The load at contact A' and the unknowns u and τ affect the balance only through terms that are
-/// as small as the inertia forces. A residual of 1e-10 therefore causes errors of 1e-10 divided by
-/// the inertia forces. For this reason, differences of these three quantities are multiplied by the
-/// inertia forces.
+/// The load at contact A' and the unknowns u and τ affect the balance equations only through the
+/// inertia forces, which may be small. A residual of 1e-10 therefore causes errors of 1e-10 divided
+/// by the dimensionless inertia forces in these three quantities. For this reason, their
+/// differences are multiplied by the dimensionless inertia forces.
 const AGREEMENT: f64 = 1e-8;
 
 /// Relative difference in efficiency or in a load above which two answers count as different roots.
@@ -58,16 +57,16 @@ struct Line {
     over_batch: f64,
     over_nalgebra: f64,
     share_solved: f64,
-    /// Number of points at which the solver found a root other than the root of this project's
-    /// solver.
+    /// Number of points at which the compared solver found a different root than the solver of this
+    /// project.
     other_answers: usize,
     /// Largest relative difference in the efficiency and in the loads at contacts A and B, and
     /// largest difference in p and s.
     worst_loaded: f64,
     /// Largest relative difference in the load at contact A', and largest difference in u and τ.
     worst_inertial: f64,
-    /// Largest of the differences in `worst_inertial`, each of which is multiplied by the ratio of
-    /// inertia forces to load at its point.
+    /// Largest of the differences in `worst_inertial`, after each difference has been multiplied by
+    /// the ratio of inertia forces to load at its point.
     worst_inertial_scaled: f64,
     agrees: bool,
 }

@@ -41,7 +41,7 @@ const OUTPUTS: [OutputName; 5] = [
     output!(screw_contact_angle_deg),
 ];
 
-/// Solves random points with model traction, one by one and as a table
+/// Solves random points with the traction model, both one by one and as a table
 #[derive(Debug, Parser)]
 struct Arguments {
     /// Number of points

@@ -247,11 +247,10 @@ impl Source for ParquetSource {
 const ROW_GROUP: usize = 1 << 18;
 
 /// Returns the compression and encoding settings for the columns of a table.
-///
 /// The encoding `BYTE_STREAM_SPLIT` stores the first bytes of all numbers together, then all second
 /// bytes, and so on, so that Snappy can compress similar numbers. Dictionaries of numbers would
-/// take twice the time and twice the space. This was measured on a grid with model `rigid`, with
-/// one output and with all outputs.
+/// take twice the time and twice the space. This was measured on a grid with the `rigid` model,
+/// with one output and with all outputs.
 fn properties(schema: &Schema) -> WriterProperties {
     let mut properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)

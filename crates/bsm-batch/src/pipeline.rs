@@ -232,8 +232,8 @@ fn read_ahead(source: &mut dyn Source, max_rows: u64, to: &SyncSender<Result<Chu
     }
 }
 
-/// Writes the rows of a solved chunk and adds them to the counts. If there is no chunk, nothing
-/// happens.
+/// Writes the rows of a solved chunk and adds them to the counts. Does nothing if there is no
+/// chunk.
 fn write<S: AnswerSink>(
     sink: &mut S,
     count: &mut Count,

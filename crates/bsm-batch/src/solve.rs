@@ -55,8 +55,8 @@ pub struct RowReport {
     /// the row has no result or why `auto` chose its model.
     pub messages: Vec<(usize, String)>,
     /// Values of outputs without a buffer in [`Buffers::columns`]. An entry contains the index of
-    /// the output, the index of the first row, and the values of consecutive rows. All other rows
-    /// have no value of this output.
+    /// the output, the index of the first row, and the values of consecutive rows. No other row has
+    /// a value for this output.
     pub values: Vec<(usize, usize, Vec<f64>)>,
 }
 
@@ -228,7 +228,7 @@ impl<'a> Solver<'a> {
 struct ChunkSolve<'a> {
     solver: &'a Solver<'a>,
     chunk: &'a Chunk,
-    /// Inputs and model of the kernel; `None` if the rows are solved one by one.
+    /// Model and inputs of the kernel; `None` if the rows are solved one by one.
     kernel: Option<(InputColumns<'a>, ModelChoice)>,
     outputs: &'a [&'static Output],
     wanted: Selection,
@@ -309,7 +309,7 @@ impl ChunkSolve<'_> {
     /// Solves a single row, and returns its status and its message. The status is `None` if a
     /// kernel has already solved the row, so that only the analyses are calculated here.
     ///
-    /// * `messages`: messages of the kernel about the row.
+    /// * `messages`: messages from the kernel about the row.
     /// * `store`: function that stores the value of the output with the given index.
     fn row(
         &self,
@@ -346,9 +346,9 @@ impl ChunkSolve<'_> {
         (Some(verdict), Some(error.to_string()))
     }
 
-    /// Calculates the limits of intervals over the possible grooves of a case. If the groove of the
-    /// case is not estimated, there are no intervals. Returns a message for each output that has a
-    /// value for only some of the possible grooves.
+    /// Calculates the 90 % intervals of the outputs over the possible grooves of a case, and stores
+    /// their limits. Without an estimated groove, there are no intervals. Returns a message for
+    /// each output that has a value for only some of the possible grooves.
     fn intervals(&self, case: &Case, store: &mut impl FnMut(usize, f64)) -> Vec<String> {
         let ends = || self.outputs.iter().map(|output| output.interval()).enumerate();
         let ends = ends().filter_map(|(index, end)| Some((index, end?)));

@@ -79,8 +79,8 @@ impl Task {
     }
 
     /// Returns the case with its groove, which is estimated if it is not given. If the groove
-    /// cannot be estimated, the case is returned without a groove, provided that all outputs are
-    /// results of the axis that do not depend on the groove.
+    /// cannot be estimated, but no output depends on the groove, the case is returned without a
+    /// groove.
     pub(crate) fn groove_of(&self, case: &Case) -> Result<Case, CaseError> {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         match case.with_groove() {

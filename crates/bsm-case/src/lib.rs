@@ -5,8 +5,7 @@
 //! of a model in SI units, and [`Record`] converts the solution back. Ratings, designs, fits and
 //! analyses use the same vocabulary. The crate does not solve anything itself: it contains no
 //! iterative solvers, searches or convergence tolerances.
-//!
-//! The model `auto` chooses the fastest model that is accurate enough:
+//! The model choice `auto` selects the fastest model that is accurate enough:
 //!
 //! ```
 //! use bsm_case::{Case, Record, Settings, output};

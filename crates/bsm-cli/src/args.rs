@@ -181,7 +181,7 @@ pub(crate) fn with_units(settings: &[String], units: Option<&String>) -> Vec<Str
 }
 
 impl CaseArgs {
-    /// Returns the path of the case file, or `--set` if there is none, for use in messages.
+    /// Returns the path of the case file for use in messages, or `--set` if there is no case file.
     pub(crate) fn path(&self) -> &Path {
         self.case.as_deref().unwrap_or(Path::new("--set"))
     }
@@ -728,7 +728,7 @@ pub(crate) struct RunArgs {
 /// A selection of parts of a dataset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PartSelection {
-    /// `K/N`: selects every part whose number modulo N is K.
+    /// `K/N`: selects every part whose number modulo N equals K.
     Share(u64, NonZeroU64),
     /// Selects the parts from the first number up to, but not including, the second number.
     Range(u64, u64),

@@ -23,8 +23,8 @@ pub(crate) enum Failure {
     /// A file or disk operation failed.
     #[error("{0}")]
     Files(String),
-    /// The command ran to completion, but a point has no solution or a check failed. The message
-    /// has already been printed.
+    /// The command ran to completion, but a point has no solution or a check failed. The
+    /// corresponding message has already been printed.
     #[error("unsolved")]
     Unsolved,
     /// Existing output differs from the expected output, a fit failed, or the temperatures of an

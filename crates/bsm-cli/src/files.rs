@@ -33,7 +33,7 @@ const MAX_JSON_BYTES: u64 = 1 << 20;
 /// Maximum size of a load cycle or a table of nuts \[B\]. This is enough for about a million rows.
 pub(crate) const MAX_TABLE_BYTES: u64 = 16 << 20;
 
-/// True after a write has failed because the file would exceed the size limit (`ulimit -f`).
+/// True after a write has failed because the file would have exceeded the size limit (`ulimit -f`).
 pub(crate) static FILE_TOO_LARGE: AtomicBool = AtomicBool::new(false);
 
 /// Prints a text and a newline to standard output.
@@ -255,7 +255,7 @@ impl Write for OutputFile {
     }
 }
 
-/// Sets [`FILE_TOO_LARGE`] if a write failed because the file would exceed the size limit.
+/// Sets [`FILE_TOO_LARGE`] if a write failed because the file would have exceeded the size limit.
 fn record_size_limit<T>(written: io::Result<T>) -> io::Result<T> {
     if written.as_ref().is_err_and(|e| e.kind() == ErrorKind::FileTooLarge) {
         FILE_TOO_LARGE.store(true, Ordering::Relaxed);
@@ -263,7 +263,7 @@ fn record_size_limit<T>(written: io::Result<T>) -> io::Result<T> {
     written
 }
 
-/// Gives a new file the permissions, owner and group of the file that it replaces.
+/// Gives a new file the permissions, owner and group of the file that the new file replaces.
 #[cfg(unix)]
 fn copy_permissions(file: &File, path: &Path) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
@@ -355,7 +355,7 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     write_bytes(OutputFile::create(path)?, path, text.as_bytes())
 }
 
-/// Writes bytes to an open output, and flushes or renames it.
+/// Writes bytes to an open output, then flushes the output or renames the temporary file.
 pub(crate) fn write_bytes(mut out: OutputFile, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     out.write_all(bytes).map_err(|e| OutputFile::failure(path, &e))?;
     out.complete()

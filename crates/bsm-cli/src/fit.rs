@@ -95,7 +95,7 @@ fn to_table(
     Ok((Calibration::with_groove_intervals(answer, case, settings, prepare), figure))
 }
 
-/// Plots fitted values against measured values, together with the line on which both are equal.
+/// Plots fitted values against measured values, together with the line on which they are equal.
 fn figure(fit: &Calibration, report: &CalibrationReport) -> Figure {
     let all: Vec<_> = fit.fitted(report).collect();
     let values = all.iter().flat_map(|(a, b)| [*a, *b]);

@@ -62,8 +62,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     reply.deliver(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// Returns a function that writes the given columns together with the case from which they were
-/// calculated.
+/// Returns a function that writes the given columns and the case from which they were calculated.
 pub(crate) fn table_writer(table: Columns, case: &Case) -> WriteTable<'_> {
     Box::new(move |path| write(path, &table, case))
 }

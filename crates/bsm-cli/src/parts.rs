@@ -19,8 +19,8 @@ use crate::progress::progress;
 use crate::table_job::{dataset_failure, repair_advice};
 use crate::unfinished;
 
-/// Number of rows above which the program advises against storing the results of a plan. Reading a
-/// terabyte from files takes longer than calculating the results again.
+/// Number of rows above which the program recommends calculating the results again instead of
+/// storing them. Reading a terabyte from files takes longer than this calculation.
 const MANY_ROWS: u64 = 10_000_000_000;
 
 /// Opens the dataset that is stored in a folder.
@@ -118,7 +118,7 @@ pub(crate) struct PartsJson {
     finished: u64,
     /// True if all parts are finished.
     complete: bool,
-    /// True if all bytes were read.
+    /// True if all bytes of the parts were read and verified.
     deep: bool,
     /// Ranges of the numbers of missing parts.
     missing: Vec<String>,

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 /// Maximum number of points of a plot. With more points, SVG viewers become very slow.
 const MAX_POINTS: usize = 100_000;
 
-/// Minimum ratio of the largest to the smallest value for which the axis of a varied input is
+/// Minimum ratio of the largest to the smallest value of a varied input for which its axis is
 /// logarithmic.
 const DECADES: f64 = 100.0;
 
@@ -46,7 +46,7 @@ pub(crate) struct CurvePlot {
     lines: Vec<Curve>,
     /// Model that solved the most recent point of each curve.
     models: Vec<Option<&'static str>>,
-    /// Points whose model differs from the model of the previous point, with the names of both
+    /// Points whose model differs from the model of the preceding point, with the names of both
     /// models.
     changes: Vec<((f64, f64), [&'static str; 2])>,
 }
@@ -146,8 +146,8 @@ impl Picture for CurvePlot {
     }
 }
 
-/// The cells of a map. If an axis has more values than a map can show, only evenly spaced values
-/// are drawn.
+/// The cells of a map. If an axis has more values than can be shown, only evenly spaced values are
+/// drawn.
 pub(crate) struct MapPlot {
     output: &'static Output,
     units: ColumnUnits,
@@ -157,7 +157,7 @@ pub(crate) struct MapPlot {
     values: [Vec<f64>; 2],
     /// Number of values of the second axis that are drawn.
     rows: usize,
-    /// Value of the plotted output in each cell.
+    /// Value of the plotted output in each cell of the map.
     found: Vec<f64>,
     regions: Vec<usize>,
     models: Vec<&'static str>,

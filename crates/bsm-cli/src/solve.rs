@@ -29,7 +29,7 @@ const PARTS: [(Show, &str); 6] = [
     (Show::Ratings, "ratings"),
 ];
 
-/// Returns the section of the answer that contains the results for a value of `--show`.
+/// Returns the section of the answer that a given value of `--show` requests.
 fn part_of(word: Show) -> Show {
     match word {
         Show::Band | Show::Sensitivities => Show::Motion,
@@ -106,8 +106,8 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     reply.deliver(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// Recalculates a section of the answer for another groove that is consistent with the inputs.
-/// Returns `None` if there is no solution.
+/// Recalculates a section of the answer for another groove that is consistent with the inputs, or
+/// returns `None` if there is no solution.
 fn recalculate_section(
     part: Show,
     args: &SolveArgs,
@@ -203,7 +203,7 @@ fn analysis(
     })
 }
 
-/// Runs an analysis of the ball motion. If the motion has no solution, returns the reason.
+/// Runs an analysis of the ball motion, or returns the reason why the motion has no solution.
 fn motion_answer(
     args: &SolveArgs,
     case: &Case,

@@ -126,7 +126,7 @@ fn sweep_table(
 }
 
 /// Prints a note about inputs that no ball model uses. The note is omitted if a requested output
-/// belongs to the nut or the axis, which may use these inputs.
+/// describes the nut or the axis, because such outputs may depend on these inputs.
 fn note_unused_inputs(task: &Task, columns: InputSet) {
     use AnalysisKind::{Axis, Nut, Ratings, Warm};
     let is_beyond_the_ball =
@@ -254,7 +254,7 @@ fn require_metric_units(units: &ColumnUnits, path: &Path, what: &str) -> Result<
     )))
 }
 
-/// Returns the points and the grid that is used to check the task. For random points, this grid
+/// Returns the points and the grid with which the task is checked. For random points, this grid
 /// consists of their bounds and means.
 fn points_of(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
     let usage = |what: &'static str| move |e: CaseError| Failure::input(what, &e);

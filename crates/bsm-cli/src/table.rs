@@ -143,7 +143,7 @@ fn rows(table: &Rows) -> String {
 
 /// Formats quantities as text tables, one for each title and scope.
 ///
-/// * `whole`: column heading for quantities that have no contact and no direction.
+/// * `whole`: column heading for quantities that do not refer to a contact or a direction.
 /// * `unbounded`: names of quantities that are not covered by the error bound.
 /// * `answer`: answer that lists the missing inputs for each quantity.
 fn numbers(numbers: &Numbers, (whole, unbounded): (&str, &[&str]), answer: &Answer) -> Vec<String> {

@@ -194,7 +194,7 @@ impl Job<'_> {
         Ok(count)
     }
 
-    /// Refuses to write a folder of parts.
+    /// Returns the error for builds that cannot write a folder of parts.
     #[cfg(not(feature = "parquet"))]
     fn plan(&self, _: &Path, _: &Points, _: &Workers<'_>) -> Result<(), Failure> {
         Err(Failure::not_built("parquet"))
@@ -254,10 +254,10 @@ impl Job<'_> {
     }
 }
 
-/// Collects the points at which `auto` switches to another model along the last axis of a grid.
+/// Collects the points along the last axis of a grid at which `auto` switches to another model.
 struct Changes<'a> {
     axis: &'a GridAxis,
-    /// Row, value and model of the previous point.
+    /// Row, value and model of the preceding point.
     before: Option<(u64, f64, ModelChoice)>,
     /// Descriptions of the first few changes of the model.
     first: Vec<String>,

@@ -112,7 +112,7 @@ fn describe(measured: &Tradeoff) -> String {
     )
 }
 
-/// Column heading and the function that formats the cells.
+/// Column heading, and the function that formats the cells of the column.
 type Column = (&'static str, fn(&SettingResult, &Errors) -> String);
 
 /// Columns of the table that summarizes all points.

@@ -1,5 +1,5 @@
-//! Cleanup after an interruption, which ensures that no file with a final name is incomplete and
-//! that no temporary file remains.
+//! Cleanup after an interruption. It ensures that no file with a final name is incomplete and that
+//! no temporary file remains.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ impl Unfinished {
     }
 }
 
-/// Creates a temporary file and registers it, so that any later interrupt removes it.
+/// Creates a temporary file and registers it, so that an interrupt removes it.
 pub(crate) fn create_temporary(
     file: &mut dyn FnMut() -> io::Result<NamedTempFile>,
 ) -> io::Result<NamedTempFile> {
@@ -67,8 +67,8 @@ mod signals {
     const INTERRUPTS: [i32; 9] =
         [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM];
 
-    /// Waiting time after the signal SIGXFSZ. A failed write of this program reports its error
-    /// within this time.
+    /// Waiting time after the signal SIGXFSZ, within which a failed write of this program reports
+    /// its error.
     const WRITE_ERROR_DELAY: Duration = Duration::from_millis(200);
 
     /// Ensures that the program ends with exit code 1 if memory runs out or a file exceeds the size
@@ -138,8 +138,8 @@ mod signals {
         Ok(())
     }
 
-    /// Does nothing on this operating system. An interrupt ends the program immediately: existing
-    /// output files remain intact, but a temporary file may be left behind.
+    /// Does nothing on this operating system, where an interrupt ends the program immediately:
+    /// existing output files remain intact, but a temporary file may be left behind.
     #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
     pub(super) fn listen() -> io::Result<()> {
         Ok(())

@@ -13,7 +13,7 @@ use serde_json::{Number, Value};
 
 use crate::files::FILE_TOO_LARGE;
 
-/// Maximum number of data rows in a sheet, below the rows with names and units.
+/// Maximum number of data rows in a sheet, not counting the rows with names and units.
 pub(crate) const MAX_ROWS: u64 = 1_048_574;
 
 /// Minimum and maximum column width \[characters\].
@@ -151,8 +151,8 @@ fn write(sheet: &mut Worksheet, row: u32, column: u16, entry: &Cell<'_>) -> Resu
     Ok(())
 }
 
-/// Limit up to which a double represents every integer exactly. Spreadsheets store all numbers as
-/// doubles.
+/// Largest magnitude up to which doubles represent every integer exactly. Spreadsheets store all
+/// numbers as doubles.
 const MAX_EXACT_INTEGER: u64 = 1 << f64::MANTISSA_DIGITS;
 
 /// Writes a number. An integer that a spreadsheet would round is written as text.
@@ -171,7 +171,8 @@ fn write_digits<'a>(
     }
 }
 
-/// Collects the leaves of a JSON value. The name of a leaf includes the names of all its parents.
+/// Collects the leaf values of a JSON value. The name of a leaf contains the names of all its
+/// parents.
 fn flatten<'a>(name: String, value: &'a Value, to: &mut Vec<(String, &'a Value)>) {
     let below = |key: &str| if name.is_empty() { key.to_owned() } else { format!("{name}.{key}") };
     match value {

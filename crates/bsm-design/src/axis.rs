@@ -1,5 +1,5 @@
-//! Loads and speeds of a nut installed in an axis, and the quantities that the design rules check.
-//! The design procedure, the catalog search and the axis report use this module.
+//! Loads and speeds of a nut that is installed in an axis, and the quantities that the design rules
+//! check. This module is used by the design procedure, the catalog search and the axis report.
 //!
 //! Theory: `docs/theory/18-axis.md`.
 
@@ -12,10 +12,11 @@ use crate::{
     modified_life, pair_loads, viscosity_ratio,
 };
 
-/// Default overrun of the thread beyond stroke and nut at each end, as a multiple of the lead.
+/// Default overrun of the thread at each end, beyond the stroke and the nut, as a multiple of the
+/// lead.
 const OVERRUN_LEADS: f64 = 1.0;
 
-/// Load factors recommended by catalogs: upper limit of the feed speed \[m/s\], and range of the
+/// Load factors that catalogs recommend: upper limit of the feed speed \[m/s\], and range of the
 /// load factor up to this speed.
 ///
 /// Source: THK general catalog, table 19.
@@ -33,7 +34,7 @@ pub struct Mount {
     pub overrun: Option<f64>,
     /// Shaft diameter for bending and buckling \[m\]; defaults to the core diameter of the thread.
     pub diameter: Option<f64>,
-    /// Bore diameter \[m\], and density of the material in the bore \[kg/m³\].
+    /// Bore diameter \[m\], and density of the material that fills the bore \[kg/m³\].
     pub bore: (f64, f64),
     /// End supports and length \[m\] of the section that may buckle. The end supports default to
     /// [`EndFixity::of_buckling`], and the length defaults to the length of the shaft.
@@ -54,8 +55,8 @@ impl Mount {
         stroke + nut_length + 2.0 * self.overrun_of(lead)
     }
 
-    /// Returns true if the load on the screw may be unguided, as in a jack. This is the case if one
-    /// end of the screw is free and the end supports of the section that may buckle are not given.
+    /// Returns true if the load on the screw may be unguided, as in a jack. This is assumed if one
+    /// end of the screw is free and no end supports are given for the section that may buckle.
     pub fn may_be_unguided(&self) -> bool {
         self.support == EndFixity::FixedFree && self.buckling.0.is_none()
     }
@@ -98,15 +99,15 @@ pub struct Axis {
     pub preload: Option<f64>,
     /// Part that the motor drives, either the screw or the nut.
     pub driven: DrivenPart,
-    /// Compressive force in a screw between two fixed bearings due to thermal expansion \[N\].
+    /// Compressive force due to thermal expansion in a screw between two fixed bearings \[N\].
     pub compression: f64,
-    /// Ratio of the life at the required reliability to the life that 90 % of all nuts reach (Z14).
+    /// Ratio of the life at the required reliability to the life at a reliability of 90 % (Z14).
     pub reliability: f64,
 }
 
 impl Axis {
-    /// Returns the point of the cycle with the largest absolute load. If this load occurs at
-    /// several points, returns the fastest of them.
+    /// Returns the point of the cycle with the largest absolute load. If several points have this
+    /// load, the point with the largest speed is returned.
     pub fn heaviest(&self) -> Option<PhasePoint> {
         self.phases.iter().map(Phase::heavier_end).reduce(PhasePoint::heavier)
     }
@@ -134,8 +135,8 @@ impl Axis {
         self.phases.iter().map(Phase::fastest).fold(0.0, f64::max)
     }
 
-    /// Returns the time average of the absolute speed over the whole cycle, including standstill
-    /// \[rad/s\].
+    /// Returns the time average of the absolute relative speed over the whole cycle, including
+    /// standstill \[rad/s\].
     pub fn mean_speed(&self) -> f64 {
         let duty = self.duty();
         let time: f64 = duty.iter().map(|duty| duty.time).sum();
@@ -201,7 +202,7 @@ impl Axis {
     }
 
     /// Returns the static safety factor based on the static load rating (Z16). For a preloaded
-    /// pair, it is the safety factor of the more heavily loaded nut.
+    /// pair, the safety factor of the more heavily loaded nut is returned.
     ///
     /// Source: ISO 3408-5; THK requires 2 without impact and 5 with impact.
     pub fn static_safety(&self) -> f64 {
@@ -211,7 +212,7 @@ impl Axis {
 
     /// Returns the ratio of the largest speed to the critical speed of the screw. Compression due
     /// to constrained thermal expansion lowers the critical speed. Returns `None` if the screw does
-    /// not rotate, because it cannot whirl.
+    /// not rotate and therefore cannot whirl.
     pub fn critical_speed_ratio(&self) -> Option<f64> {
         let shaft = self.shaft.as_ref().filter(|_| self.driven == DrivenPart::Screw)?;
         Some(self.fastest() / shaft.critical_speed_under(-self.compression))
@@ -224,22 +225,23 @@ impl Axis {
         Some(self.fastest() / shaft.critical_speed())
     }
 
-    /// Returns the ratio of the buckling load to the sum of the largest load and the thermal
-    /// compression.
+    /// Returns the ratio of the buckling load to the sum of the largest load and the compressive
+    /// force due to thermal expansion.
     pub fn buckling_safety(&self) -> Option<f64> {
         let pressed = self.largest_load() + self.compression;
         Some(self.shaft.as_ref()?.buckling_load() / pressed)
     }
 
-    /// Returns the same ratio as [`buckling_safety`](Self::buckling_safety), but for a section that
-    /// buckles with the end supports of the whole screw.
+    /// Returns the ratio [`buckling_safety`](Self::buckling_safety) for a section that buckles with
+    /// the end supports of the whole screw.
     pub fn buckling_safety_of_support(&self) -> Option<f64> {
         let shaft = self.shaft.as_ref()?;
         let ratio = shaft.with_buckling_of_support().buckling_load() / shaft.buckling_load();
         Some(ratio * self.buckling_safety()?)
     }
 
-    /// Returns the axial load at which the stress in the core reaches [`PERMITTED_STRESS`] \[N\].
+    /// Returns the axial load \[N\] at which the stress in the core of the screw reaches
+    /// [`PERMITTED_STRESS`].
     pub fn yield_load(&self) -> Option<f64> {
         Some(self.shaft.as_ref()?.yield_load(PERMITTED_STRESS))
     }

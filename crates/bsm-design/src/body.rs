@@ -13,7 +13,7 @@ const IDLE_TURNS: f64 = 3.0;
 /// Arrangement of one or two nuts on a screw, which determines the length of the nut set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NutSet {
-    /// A single nut, as opposed to a nut pair.
+    /// A single nut, in contrast to a nut pair.
     Single,
     /// Two nuts clamped against each other. The gap between them defaults to one pitch of the
     /// grooves.
@@ -69,7 +69,7 @@ pub struct NutBody {
 }
 
 impl NutBody {
-    /// Assumed number of loaded turns if only the load ratings of a nut are known.
+    /// Number of loaded turns that is assumed if only the load ratings of a nut are known.
     pub const TURNS_OF_RATINGS: f64 = 3.0;
 
     /// Returns the typical dimensions of a nut set (D10), (BB6).
@@ -123,9 +123,7 @@ impl Nut {
     /// ```math
     /// J_s = \frac{\pi\rho d_s^4}{32}l - \frac{2\pi\rho\,z\,l}{P_h}\int_{r_r}^{d_s/2} r^3 w\,dr, \qquad w = \frac{2}{\cos\alpha}\big[\sqrt{R^2 - y^2} - k\big]
     /// ```
-    ///
-    /// The mass follows from the corresponding formula, whose integral contains `$r$` instead of
-    /// `$r^3$`.
+    /// The mass is calculated with an integral that contains `$r$` instead of `$r^3$`.
     fn screw_mass_and_inertia(&self, thread: &Thread) -> (f64, f64) {
         let Profile { radius, offset, height, land, .. } = thread.screw;
         let [meet, edge] = thread.screw.ends();
@@ -166,7 +164,8 @@ impl Nut {
     }
 }
 
-/// Number of intervals (even) per flank for Simpson's rule, which gives a relative error of 1e-8.
+/// Number of intervals per flank for Simpson's rule. The number is even and gives a relative error
+/// of 1e-8.
 const STEPS: u32 = 32;
 
 #[cfg(test)]
@@ -176,10 +175,10 @@ mod tests {
 
     use super::*;
 
-    /// End-cap nuts (TBI, SFY) have two circuits, each on its own thread. The length calculated
-    /// with (D10) is long enough for their turns, and at most 1.45 times the catalog length,
-    /// because end caps are short. An earlier version counted all turns on a single thread, so the
-    /// calculated length was up to 2.8 times too long.
+    /// End-cap nuts (TBI, SFY) have two circuits, each on its own thread. The length that (D10)
+    /// gives is sufficient for their turns, and is at most 1.45 times the catalog length, because
+    /// end caps are short. An earlier version counted all turns on a single thread, so that the
+    /// calculated length was up to 2.8 times the catalog length.
     #[test]
     fn usual_length_is_sufficient_for_multi_start_nuts() {
         for (lead, of_a_circuit, printed) in [

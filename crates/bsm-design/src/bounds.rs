@@ -1,7 +1,7 @@
-//! Bounds of a quantity, and the rule by which a value meets them.
+//! Bounds of a quantity, and the rule that determines whether a value meets the bounds.
 
-/// Relative violation up to which a limit counts as met, because decimal inputs have rounding
-/// errors.
+/// Relative violation up to which a limit is still considered met, because decimal inputs have
+/// rounding errors.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
 /// Lower and upper limit of a quantity.
@@ -36,7 +36,7 @@ impl Bounds {
         Some(if value.is_nan() { 1.0 } else { violation })
     }
 
-    /// Returns true if a value is within the limits, or if there are none.
+    /// Returns true if a value is within the limits, or if there are no limits.
     pub fn are_met_by(self, value: f64) -> bool {
         self.violation(value).is_none_or(|violation| violation <= ROUNDING)
     }
@@ -79,7 +79,7 @@ impl Bounds {
 mod tests {
     use super::*;
 
-    /// A value at a limit meets the limit in spite of rounding errors, and NaN meets no limit. A
+    /// A value at a limit meets the limit in spite of rounding errors, NaN meets no limit, and a
     /// negative value meets an upper limit.
     #[test]
     fn value_at_a_limit_meets_the_limit_in_spite_of_rounding_errors() {

@@ -1,4 +1,4 @@
-//! Catalog of all nuts that result from the combinations of standard sizes.
+//! Catalog of all nuts that can be built from combinations of standard sizes.
 
 use std::cmp::Ordering;
 
@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::nut::turn_length;
 use crate::{Elasticity, Nut, NutBody, NutSet, Thread};
 
-/// Number of balls per turn that carry no load because they are in the ball return.
+/// Number of balls per turn that carry no load because they are inside the ball return.
 pub(crate) const IDLE_BALLS: f64 = 4.0;
 
 /// Increment of pitch circle diameters \[m\].
@@ -36,8 +36,9 @@ pub struct Lists {
     pub conformities: Vec<f64>,
     /// Contact angles.
     pub contact_angles: Vec<f64>,
-    /// Sizes that manufacturers offer. They replace the lists of nominal diameters, leads, balls
-    /// and turns. If this list is empty, all combinations of the other lists are used.
+    /// Sizes that manufacturers offer. If this list is not empty, it replaces the lists of nominal
+    /// diameters, leads, balls and turns. If it is empty, all combinations of the other lists are
+    /// used.
     pub offered: Vec<OfferedSize>,
 }
 
@@ -204,8 +205,8 @@ impl Limits {
     }
 
     /// Returns the nut with the given size together with its calculated properties. Returns `None`
-    /// if the size is outside the limits, cannot be manufactured, or cannot keep its contacts on
-    /// the flanks under the preload.
+    /// if the size is outside the limits, if the nut cannot be manufactured, or if a contact
+    /// ellipse would extend beyond its flank under the preload.
     pub fn candidate(&self, size: &Size) -> Option<Candidate> {
         if !self.allow(size) {
             return None;
@@ -264,15 +265,15 @@ impl Limits {
 }
 
 impl Candidate {
-    /// Returns true if no calculated property has overflowed.
+    /// Returns true if none of the calculated properties has overflowed.
     fn is_finite(&self) -> bool {
         let ratings = [self.dynamic_rating, self.static_rating, self.preload, self.edge_load];
         let others = [self.elasticity.turn_constant, self.stiffness, self.mass, self.efficiency];
         ratings.iter().chain(&others).all(|number| number.is_finite())
     }
 
-    /// Returns the three objectives of the Pareto front, all of which are minimized: negative
-    /// dynamic load rating, negative stiffness, and mass.
+    /// Returns the three objectives of the Pareto front, all of which are minimized: negated
+    /// dynamic load rating, negated stiffness, and mass.
     pub fn costs(&self) -> [f64; 3] {
         [-self.dynamic_rating, -self.stiffness, self.mass]
     }
@@ -289,8 +290,8 @@ impl Lists {
         self.len() == 0
     }
 
-    /// Returns the lengths of the lists. The list of offered sizes replaces four lists and is
-    /// treated as one list.
+    /// Returns the lengths of the lists. The list of offered sizes replaces four other lists and
+    /// counts as one list.
     fn lengths(&self) -> [usize; 6] {
         let Self { diameters, leads, balls, turns, conformities, contact_angles, offered } = self;
         let sizes = match offered.len() {
@@ -344,8 +345,8 @@ impl Lists {
     }
 }
 
-/// Returns the indices of the Pareto-optimal [costs](Candidate::costs) in ascending order. One set
-/// of costs dominates another set if none of its values is larger and at least one is smaller.
+/// Returns the indices of the Pareto-optimal [costs](Candidate::costs) in ascending order. A set of
+/// costs dominates another set if none of its values is larger and at least one value is smaller.
 pub fn front(costs: &[[f64; 3]]) -> Vec<usize> {
     let mut order: Vec<_> = (0..costs.len()).collect();
     // After sorting, every candidate comes after all candidates that dominate it.
@@ -387,8 +388,8 @@ mod tests {
         rolling_lever: crate::ROLLING_LEVER,
     };
 
-    /// Three published pitch circle diameters and ball counts are reproduced. One of the turns has
-    /// a length of 319.9999 mm, which must be treated as the length of 32 balls.
+    /// Three published pitch circle diameters and their ball counts are reproduced. In one case,
+    /// the length of a turn is 319.9999 mm, which must be treated as the length of 32 balls.
     #[test]
     fn published_pitch_diameters_and_ball_counts_are_reproduced() {
         for (nominal, lead, ball, diameter, balls) in [
@@ -403,8 +404,8 @@ mod tests {
         }
     }
 
-    /// The Pareto front matches a comparison of all pairs. Candidates with equal costs are either
-    /// all on the front or all off it.
+    /// The Pareto front matches the result of comparing all pairs. Candidates with equal costs are
+    /// either all on the front or all off it.
     #[test]
     fn pareto_front_matches_a_comparison_of_all_pairs() {
         let lists = Lists {

@@ -33,7 +33,7 @@ pub struct MachineTable {
 }
 
 impl MachineTable {
-    /// Machine table without mass, without forces and with a single screw.
+    /// Carriage without mass and without forces, driven by a single screw.
     pub const NONE: Self = Self {
         mass: 0.0,
         inclination: 0.0,
@@ -86,7 +86,7 @@ impl MachineTable {
         self.mass + self.counterweight
     }
 
-    /// Returns true if mass, guides or counterbalance can load the screw.
+    /// Returns true if the moving mass, the guides or the counterbalance can load the screw.
     pub fn is_loaded(&self) -> bool {
         [self.mass, self.resistance, self.counterweight, self.counterbalance]
             .into_iter()
@@ -110,11 +110,11 @@ pub fn drag_torque(preload: f64, lead: f64, lead_angle: f64) -> f64 {
     0.05 * preload * lead / (TAU * lead_angle.tan().sqrt())
 }
 
-/// Typical ratio of brake torque to frictionless load torque.
+/// Typical ratio of the brake torque to the load torque without friction.
 pub const BRAKE_SAFETY: f64 = 1.5;
 
-/// Typical upper limit of the ratio of breakaway torque to running torque for the drag of preload,
-/// seals and bearings.
+/// Typical upper limit of the ratio of breakaway torque to running torque, for the friction of
+/// preload, seals and bearings.
 const AT_REST: f64 = 2.0;
 
 /// Response of a screw to its load at standstill if the motor has no power.
@@ -124,7 +124,7 @@ pub enum BackDriving {
     None,
     /// The load back-drives the screw.
     Turns,
-    /// It is uncertain whether friction holds the load.
+    /// It is uncertain whether friction can hold the load.
     Undecided,
     /// Friction holds the load.
     Holds,
@@ -139,8 +139,8 @@ impl BackDriving {
     /// ```
     ///
     /// * `of_load`: load torque minus contact friction \[N·m\]. The first value assumes the largest
-    ///   friction and only the part of the load that guide friction does not hold. The second value
-    ///   assumes the smallest friction and the whole load.
+    ///   friction, and only the part of the load that is not held by guide friction. The second
+    ///   value assumes the smallest friction and the whole load.
     /// * `drag`: drag torque of preload, seals and support bearings in motion \[N·m\]. The
     ///   breakaway torque may be twice as large.
     ///
@@ -167,8 +167,8 @@ impl BackDriving {
     }
 }
 
-/// Returns the moment of inertia of a screw about its axis \[kg·m²\] (Z9) if only length and mass
-/// are known. The screw is treated as a solid steel rod.
+/// Returns the moment of inertia of a screw about its axis \[kg·m²\] if only its length and mass
+/// are known (Z9). The screw is treated as a solid steel rod.
 ///
 /// Assumes that the mass is distributed as in a rod. The groove removes material near the surface,
 /// so the moment of inertia of a screw with the same mass and a groove ([`Nut::screw`]) is up to 5
@@ -192,19 +192,19 @@ pub fn rod_mass_per_length(diameter: f64) -> f64 {
 pub struct DriveTrain {
     /// Lead \[m\].
     pub lead: f64,
-    /// Moment of inertia of the driven part (screw or nut) and of everything that rotates with it
-    /// \[kg·m²\].
+    /// Moment of inertia \[kg·m²\] of the driven part (screw or nut), including everything that
+    /// rotates with it.
     pub driven_inertia: f64,
     /// Mass moved by one screw \[kg\]: the share of this screw in the moving mass and the
     /// counterweight.
     pub mass: f64,
     /// Ratio of motor speed to screw speed, positive.
     pub gear_ratio: f64,
-    /// Efficiency of the gear.
+    /// Efficiency of the gearbox.
     pub gear_efficiency: f64,
     /// Moment of inertia of the motor \[kg·m²\].
     pub motor_inertia: f64,
-    /// Moment of inertia of the gear, referred to the motor \[kg·m²\].
+    /// Moment of inertia of the gearbox, referred to the motor shaft \[kg·m²\].
     pub gear_inertia: f64,
     /// Number of screws `$j$` that the motor drives.
     pub screws: f64,
@@ -259,14 +259,15 @@ impl MotorCurve {
 }
 
 impl DriveTrain {
-    /// Returns the moment of inertia of the moving mass, referred to the screw \[kg·m²\] (Z10).
+    /// Returns the moment of inertia that is equivalent to the moving mass, referred to the screw
+    /// \[kg·m²\] (Z10).
     pub fn mass_inertia(&self) -> f64 {
         // J_m = m (P_h/2π)²                                               (Z10)
         self.mass * (self.lead / TAU).powi(2)
     }
 
     /// Returns the moment of inertia of all driven parts and moving masses, referred to the motor
-    /// \[kg·m²\] (Z11).
+    /// shaft \[kg·m²\] (Z11).
     pub fn load_inertia(&self) -> f64 {
         // J_L = j (J_s + J_m)/i_g²                                        (Z11)
         self.screws * (self.driven_inertia + self.mass_inertia()) / self.gear_ratio.powi(2)
@@ -277,8 +278,8 @@ impl DriveTrain {
         self.lead / TAU
     }
 
-    /// Returns the drive torque of one screw, including the torque that accelerates the screw
-    /// \[N·m\].
+    /// Returns the drive torque of one screw \[N·m\], including the torque that accelerates the
+    /// moment of inertia of the screw.
     ///
     /// * `friction`: friction torque that opposes the motion, at the screw \[N·m\].
     pub(crate) fn coupling_torque(&self, point: &PhasePoint, friction: f64) -> f64 {
@@ -316,33 +317,33 @@ impl DriveTrain {
             + (self.motor_inertia + self.gear_inertia) * self.gear_ratio * turning
     }
 
-    /// Returns the total moment of inertia, referred to the motor \[kg·m²\].
+    /// Returns the total moment of inertia, referred to the motor shaft \[kg·m²\].
     pub fn inertia(&self) -> f64 {
         self.load_inertia() + self.motor_inertia + self.gear_inertia
     }
 
-    /// Returns the moment of inertia per screw, including a share of motor and gear, referred to
-    /// the screw \[kg·m²\].
+    /// Returns the moment of inertia per screw, including the share of the motor and the gearbox,
+    /// referred to the screw \[kg·m²\].
     pub fn inertia_at_screw(&self) -> f64 {
         self.inertia() * self.gear_ratio.powi(2) / self.screws
     }
 
-    /// Returns the mass on the carriage that would have the same kinetic energy as the rotating
-    /// parts \[kg\] (BB9).
+    /// Returns the additional mass on the carriage that would have the same kinetic energy as the
+    /// rotating parts \[kg\] (BB9).
     pub fn reflected_mass(&self) -> f64 {
         // m_r = [J_s + (J_mot + J_g) i_g²/j]/h²                           (BB9)
         (self.inertia_at_screw() - self.mass_inertia()) / self.advance().powi(2)
     }
 
-    /// Returns the travel per increment of the motor angle \[m\].
+    /// Returns the travel of the carriage per increment of the motor angle \[m\].
     ///
     /// * `parts`: number of increments per motor revolution, such as motor steps or encoder counts.
     pub fn travel_per_part(&self, parts: f64) -> f64 {
         self.lead / (self.gear_ratio * parts)
     }
 
-    /// Returns the data needed to calculate how the load at standstill back-drives the screw while
-    /// the motor has no power.
+    /// Returns the data for calculating how the load at standstill back-drives the screw while the
+    /// motor has no power.
     ///
     /// * `load`: absolute load at standstill \[N\].
     pub fn back_driven_screw(&self, load: f64) -> BackDrivenScrew {
@@ -354,7 +355,7 @@ impl DriveTrain {
 /// Returns the shortest time in which a motor reaches a given speed \[s\] (AA11), or `None` if the
 /// peak torque does not exceed the load torque.
 ///
-/// * `inertia`: total moment of inertia at the motor \[kg·m²\].
+/// * `inertia`: total moment of inertia, referred to the motor shaft \[kg·m²\].
 /// * `speed`: motor speed to reach \[rad/s\].
 /// * `peak`, `load`: peak torque of the motor and load torque \[N·m\].
 ///
@@ -364,7 +365,7 @@ pub fn least_acceleration_time(inertia: f64, speed: f64, peak: f64, load: f64) -
     (peak > load).then(|| inertia * speed / (peak - load))
 }
 
-/// A screw that is back-driven by its load at standstill while the motor has no power.
+/// A screw that is back-driven by the load at standstill while the motor has no power.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BackDrivenScrew {
     /// Load torque on the screw without friction \[N·m\].
@@ -400,7 +401,7 @@ impl BackDrivenScrew {
     /// ```
     ///
     /// * `brake`: brake torque at the screw \[N·m\].
-    /// * `delay`: time until the brake acts \[s\].
+    /// * `delay`: time until the brake engages \[s\].
     /// * `feed`: feed speed in the direction of the load when the power fails \[m/s\].
     pub fn stopping_distance(&self, brake: f64, delay: f64, feed: f64) -> Option<f64> {
         // v₁ = v + F h² t_B/J                                             (AA13)
@@ -429,9 +430,9 @@ mod tests {
     use super::*;
 
     /// Hand calculation for a vertical axis that carries 250 kg on a screw with a lead of 10 mm, a
-    /// drag of 0.25 N m and a back-driving efficiency of 0.75 to 0.85. Without friction, the load
-    /// torque is 3.90194 N m. A screw with zero back-driving efficiency holds the load. For
-    /// efficiencies in between, the result depends on the uncertain drag.
+    /// drag torque of 0.25 N m and a back-driving efficiency of 0.75 to 0.85. Without friction, the
+    /// load torque is 3.90194 N m. A screw with zero back-driving efficiency holds the load. For
+    /// efficiencies between zero and 0.75, the result can depend on the uncertain drag torque.
     #[test]
     fn back_driving_torque_matches_a_hand_calculation() {
         let ideal = 250.0 * GRAVITY * 0.01 / TAU;
@@ -586,8 +587,8 @@ mod tests {
 
     /// Hand calculation for 250 kg on a screw with a lead of 10 mm and a moment of inertia of
     /// 2.07126e-3 kg m². A brake of 9 N m that engages after 0.05 s stops a feed of 0.25 m/s within
-    /// 36.66 mm. Without a brake, the axis falls with 2.20649 m/s² at an efficiency of 0.8 and a
-    /// drag of 0.25 N m.
+    /// 36.66 mm. Without a brake, the axis falls with an acceleration of 2.20649 m/s², for an
+    /// efficiency of 0.8 and a drag torque of 0.25 N m.
     #[test]
     fn brake_stopping_distance_matches_a_hand_calculation() {
         let drive = DriveTrain {

@@ -54,8 +54,8 @@ pub struct Grade {
     /// Permitted travel variation within any revolution, `$v_{2\pi p}$` \[m\]; `None` for grades of
     /// transport screws.
     pub of_a_turn: Option<f64>,
-    /// Rows with the largest useful travel, `$e_p$` and `$v_{up}$` \[m\]; empty if the deviation is
-    /// proportional to the travel.
+    /// Table rows, each with the largest useful travel, `$e_p$` and `$v_{up}$` \[m\]; empty if the
+    /// deviation is proportional to the travel.
     travels: Vec<(f64, f64, Option<f64>)>,
 }
 

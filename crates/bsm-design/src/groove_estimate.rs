@@ -31,17 +31,17 @@ pub const MIN_EVIDENCE: f64 = -7.0;
 /// Log evidence above which a corrected [`CatalogMistake`] of a rejected row is suggested.
 const MISTAKE_EVIDENCE: f64 = -3.0;
 
-/// Excess of the dynamic rating relative to the static rating (logarithm, AB1) above which the
-/// rating is assumed to be raised for clean steel.
+/// Excess of the dynamic rating relative to the static rating (logarithm, AB1). If the excess is
+/// larger, the rating is assumed to be raised for clean steel.
 const CLEAN_STEEL_EXCESS: f64 = 0.15;
 
 /// Minimum total probability of the balls in [`GrooveEstimate::likely_balls`].
 const SET_PROBABILITY: f64 = 0.9;
 
-/// Conformity of nut and screw, assumed for load ratings and for the best groove.
+/// Conformities of nut and screw that are assumed for the load ratings and for the best groove.
 const CONFORMITY: f64 = 0.52;
 
-/// Contact angle \[rad\], assumed for load ratings and for the best groove.
+/// Contact angle \[rad\] that is assumed for the load ratings and for the best groove.
 const CONTACT_ANGLE: f64 = FRAC_PI_4;
 
 /// Elastic constants of trial nuts. They do not influence the load ratings.
@@ -50,7 +50,7 @@ const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 /// Millimeters per meter. The prior uses lengths in mm.
 const PER_M: f64 = 1e3;
 
-/// One catalog row with everything that is known about a screw and its nut.
+/// One catalog row, which contains everything that is known about a screw and its nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CatalogLine {
     /// Nominal diameter \[m\], positive.
@@ -102,7 +102,7 @@ pub struct BallProbability {
     pub probability: f64,
 }
 
-/// A complete groove geometry with the number of loaded balls.
+/// A complete groove geometry, including the number of loaded balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EstimatedGroove {
     /// Ball diameter \[m\].
@@ -120,8 +120,8 @@ pub struct EstimatedGroove {
 }
 
 impl EstimatedGroove {
-    /// Returns the nut that has this groove, a single start and the given elastic constants of
-    /// raceways and balls.
+    /// Returns a single-start nut that has this groove and the given elastic constants of raceways
+    /// and balls.
     pub fn nut(&self, lead: f64, material: (Material, Material)) -> Nut {
         Nut {
             ball_diameter: self.ball_diameter,
@@ -172,8 +172,8 @@ pub enum CatalogMistake {
 /// A rejected catalog row, whose ratings do not match any plausible groove.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RejectedRow {
-    /// Estimate for the row as it is printed; `None` if no ball fits the nominal diameter and the
-    /// lead.
+    /// Estimate for the row as printed in the catalog; `None` if no ball fits the nominal diameter
+    /// and the lead.
     pub nearest: Option<Box<GrooveEstimate>>,
     /// Corrected readings of the row that match a plausible groove, each with its log evidence, in
     /// descending order of evidence.
@@ -340,7 +340,8 @@ impl CatalogLine {
         }
     }
 
-    /// Returns a trial nut with the conformity and the contact angle assumed for ratings.
+    /// Returns a trial nut with the conformity and the contact angle that are assumed for load
+    /// ratings.
     fn trial(&self, ball: f64, balls_per_turn: f64, turns: f64) -> Nut {
         Nut {
             ball_diameter: ball,
@@ -360,14 +361,15 @@ impl CatalogLine {
         turn_length(self.pitch_diameter_of(ball, prior::PITCH_RISE.mean), self.lead) / ball
     }
 
-    /// Returns the number of loaded balls for which the static rating equals the rating of the row.
-    /// Returns `None` without a static rating.
+    /// Returns the number of loaded balls for which the calculated static rating equals the static
+    /// rating in the catalog row. Returns `None` without a static rating.
     fn rated_balls(&self, ball: f64) -> Option<f64> {
         let one_ball = self.trial(ball, 1.0, 1.0).static_rating().rating;
         Some(self.static_rating? / one_ball)
     }
 
-    /// Returns the logarithm of the loaded share of a turn for a known groove (`$r_0$` in (AB1)).
+    /// Returns the logarithm of the loaded fraction of a turn for a known groove (`$r_0$` in
+    /// (AB1)).
     fn ln_loaded_share(
         &self,
         KnownGroove { ball_diameter, turns, .. }: &KnownGroove,
@@ -377,13 +379,13 @@ impl CatalogLine {
     }
 
     /// Returns the pitch circle diameter \[m\] for a ball diameter. If the catalog row does not
-    /// state the pitch circle diameter, the result is the nominal diameter plus `rise` ball
-    /// diameters.
+    /// state the pitch circle diameter, the result is the nominal diameter plus `rise` times the
+    /// ball diameter.
     fn pitch_diameter_of(&self, ball: f64, rise: f64) -> f64 {
         self.pitch_diameter.unwrap_or(self.nominal_diameter + rise * ball)
     }
 
-    /// Completes a groove: quantities that the catalog row does not state are taken from
+    /// Completes a groove. Quantities that are missing in the catalog row are taken from
     /// `unprinted`.
     fn complete(
         &self,
@@ -436,7 +438,7 @@ impl GrooveEstimate {
         self.line.complete(best, loaded_balls, &unprinted([0.0; 4]))
     }
 
-    /// Returns the most likely ball diameters whose probabilities add up to at least 90 %.
+    /// Returns the most likely ball diameters, whose probabilities add up to at least 90 %.
     pub fn likely_balls(&self) -> &[BallProbability] {
         let mut sum = 0.0;
         let reaches = |ball: &BallProbability| {
@@ -510,13 +512,14 @@ impl GrooveEstimate {
     }
 }
 
-/// Returns the results of `f` for all items, in their order. The function is called on all cores.
+/// Returns the results of `f` for all items, in the order of the items. The function is called on
+/// all cores in parallel.
 pub fn on_all_cores<T: Sync, U: Send>(items: &[T], f: impl Fn(&T) -> U + Sync) -> Vec<U> {
     items.par_iter().map(&f).collect()
 }
 
-/// Returns a quasi-random number in (0, 1) from which a quantity that does not depend on the groove
-/// is drawn.
+/// Returns a quasi-random number in (0, 1), which is used to draw a quantity that does not depend
+/// on the groove.
 ///
 /// * `draw`: index of the draw, from 0.
 pub fn quasi_random_besides_groove(draw: usize) -> f64 {
@@ -526,10 +529,10 @@ pub fn quasi_random_besides_groove(draw: usize) -> f64 {
     (0.5 + j * SQRT_2).fract()
 }
 
-/// Number of groove draws for the uncertainty bands of most results.
+/// Number of random groove geometries (draws) for the uncertainty bands of most results.
 pub const DRAWS: usize = 128;
 
-/// Number of groove draws for results that take a long time to calculate.
+/// Number of random groove geometries (draws) for results that take a long time to calculate.
 pub const FEW_DRAWS: usize = 32;
 
 /// Quasi-random points, each with the cumulative probability that selects a hypothesis and with
@@ -547,7 +550,7 @@ static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
     (1..=DRAWS).map(point).collect()
 });
 
-/// Uncertainty band of a result over the draws of a groove.
+/// Uncertainty band of a result, calculated from its values for all groove draws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// Lower end of the band (5 % quantile).
@@ -619,7 +622,7 @@ mod tests {
         assert_eq!((best.turns, best.loaded_balls, best.conformity), (4.0, 64.0, (0.52, 0.52)));
     }
 
-    /// The evidence for rows with additional or missing values matches an independent
+    /// For rows with additional or missing values, the evidence matches an independent
     /// implementation to the three printed decimals.
     #[test]
     fn evidence_for_rows_with_more_or_fewer_values_matches_an_independent_implementation() {
@@ -732,7 +735,7 @@ mod tests {
         assert_eq!(estimate.draws(FEW_DRAWS), estimate.draws(DRAWS)[..FEW_DRAWS]);
     }
 
-    /// The dynamic rating is 35 % above the rating by ISO 3408-5.
+    /// The dynamic rating of this row is 35 % above the rating according to ISO 3408-5.
     #[test]
     fn rating_raised_for_clean_steel_is_recognized() {
         let raised = CatalogLine { dynamic_rating: 1.35 * sfu().dynamic_rating, ..sfu() };
@@ -741,8 +744,8 @@ mod tests {
         assert!(probability(raised) > 0.5 && probability(sfu()) < 0.01);
     }
 
-    /// The ratings of every combination are calculated once, so the lengths of the lists limit the
-    /// cost of an estimate.
+    /// The ratings of every combination are calculated only once, so that the lengths of the lists
+    /// limit the cost of an estimate.
     #[test]
     fn number_of_groove_hypotheses_for_a_catalog_row_is_bounded() {
         for (nominal, lead) in [(8.0, 2.0), (16.0, 5.0), (40.0, 20.0), (100.0, 20.0)] {

@@ -59,7 +59,7 @@ pub enum DatasetError {
     /// The part files or the points do not belong to the plan in the folder.
     #[error("{0}")]
     NotOfThePlan(String),
-    /// The program refuses to calculate the dataset as requested, for the reason in the text.
+    /// The program refuses to calculate the dataset as requested; the text states the reason.
     #[error("{0}")]
     Refused(String),
 }

@@ -89,7 +89,7 @@ pub enum PlanError {
     /// The text does not have the structure of a plan.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
-    /// The plan was made by another program or version.
+    /// The plan was made by another program or by another version of this program.
     #[error("it was made by {made_by}, but this is {this}")]
     OtherProgram {
         /// Program that made the plan.
@@ -162,8 +162,7 @@ impl Plan {
     /// Parses the text of a plan file.
     ///
     /// # Errors
-    ///
-    /// Returns [`PlanError`] if the text is not a plan, belongs to another program version, or has
+    /// Returns [`PlanError`] if the text is not a plan, was made by another program version, or has
     /// been changed.
     pub fn from_text(text: &str) -> Result<Self, PlanError> {
         let written: PlanFile = serde_json::from_str(text)?;
@@ -357,7 +356,7 @@ fn seconds(model: ModelChoice) -> f64 {
 fn rows_of_a_part(rows: u64, model: ModelChoice) -> NonZeroU64 {
     /// Maximum number of rows per part. It is exceeded only if the dataset would otherwise have too
     /// many parts. A part of this size takes less than an hour even if every point takes a hundred
-    /// times as long as estimated, for example with model `rigid` and large inertia forces.
+    /// times as long as estimated, for example with the `rigid` model and large inertia forces.
     const MAX_ROWS: u32 = 1 << 20;
     /// Maximum estimated time for calculating a part on one core \[s\].
     const MAX_SECONDS: f64 = 5.0;

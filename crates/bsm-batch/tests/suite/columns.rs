@@ -171,8 +171,8 @@ fn table_rows_and_axis_sheet_agree_on_the_fall_speed() {
 }
 
 /// If a table has warm-state columns, the results of the nut must belong to the same warm state, to
-/// within the tolerance of the search for this state. A row above the fold must have no solution,
-/// regardless of which columns are requested.
+/// within the tolerance of the search for this state. A row must have no solution if its speed is
+/// so high that no thermal steady state exists, regardless of which columns are requested.
 #[test]
 fn all_columns_of_a_row_use_the_same_warm_state() {
     let grid = grid(&["screw_speed_rpm=500,1500"]);
@@ -296,9 +296,10 @@ fn output_that_depends_only_on_inputs_needs_no_operating_point() {
     assert!(words.contains("friction_coefficient is required"), "{words}");
 }
 
-/// Warm-state columns must depend on the conductances of each row. In X arrangement at 1000 rpm
-/// without load, the results must agree with an independent solution, which prints whole newtons. A
-/// column for a single ball must use the lubricant temperature of the warm state.
+/// Warm-state columns must depend on the conductances of each row. For an unloaded nut pair in X
+/// arrangement at 1000 rpm, the results must agree with an independent solution whose results are
+/// rounded to whole newtons. A column for a single ball must use the lubricant temperature of the
+/// warm state.
 #[test]
 fn warm_state_columns_depend_on_the_conductances_of_the_row() {
     let axis = include_str!("../../../../validation/published/nut/feed_axis.json");

@@ -160,7 +160,8 @@ fn rigid_kernel_matches_the_scalar_solver() {
 }
 
 /// The controlling raceway is either given or determined by the model. The kernel solves five out
-/// of six points. At the other points, the inertia forces are as large as the load.
+/// of six points. At the remaining points, which it leaves to the model, the inertia forces are as
+/// large as the load.
 #[test]
 fn raceway_control_kernel_matches_the_scalar_solver() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {

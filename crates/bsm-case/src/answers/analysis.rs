@@ -92,7 +92,8 @@ impl AnalysisKind {
     ///
     /// * `settings`: model and solver settings of analyses that solve the case themselves.
     /// * `motion`: solved motion, if the analysis [needs](Self::needs_solution) one.
-    /// * `wanted`: returns true for the quantities to calculate. Other quantities may be omitted.
+    /// * `wanted`: function that returns true for the quantities to calculate. Other quantities may
+    ///   be omitted.
     /// * `work`: workspace of the models, which is reused for several cases.
     ///
     /// # Errors

@@ -43,7 +43,8 @@ use crate::{
     Output, OutputName, Quantity, Section, Settings, Verdict, WarmBranch, output,
 };
 
-/// Required inputs of an axis: the inputs of its nut, and either a load and a speed or a cycle.
+/// Required inputs of an axis: the inputs that describe its nut, and either a load and a speed or a
+/// duty cycle.
 pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
 
 /// Alternative inputs that determine the friction of the nut; at least one is required.
@@ -416,7 +417,7 @@ pub struct AxisReport {
     pub order: Order,
     /// Warnings in the answer, each with the corresponding selection limit, if there is one.
     pub warnings: Vec<Warning>,
-    /// Answer with results, rules, notes and tables.
+    /// Answer that contains results, rules, notes and tables.
     pub answer: Answer,
 }
 
@@ -457,7 +458,7 @@ const AT_REST: [&str; 7] = [
 /// the required brake torque instead, because a brake must be chosen without relying on friction.
 const NOT_FOR_A_BRAKE: [&str; 1] = ["holding_torque_Nm"];
 
-/// Effects that the calculation of an axis always neglects.
+/// Physical effects that the axis calculation always neglects.
 const NOT_MODELED: [&str; 4] = [
     "vibration and control of the axis, and shocks that load_factor does not cover",
     "bending of the screw under its own weight; deformation of the frame; misalignment, unless it \
@@ -466,7 +467,7 @@ const NOT_MODELED: [&str; 4] = [
     "wear, the torque to start from rest, and jerk",
 ];
 
-/// Returns the effects that the results for an axis neglect.
+/// Returns the physical effects that are neglected in the results for an axis.
 ///
 /// * `contacts`: true if friction is calculated from the contacts, false if it follows from the
 ///   catalog efficiency.
@@ -568,8 +569,8 @@ impl AxisReport {
         Self::with(case, settings, Detail::WITHOUT_BAND)
     }
 
-    /// Calculates results and design rules for a possible groove, without warnings, notes and order
-    /// data.
+    /// Calculates the results and the design rules for one of the possible grooves, without
+    /// warnings, notes and order data.
     pub(crate) fn numbers_only(case: &Case, settings: &Settings) -> Result<Answer, CaseError> {
         let detail = Detail { texts: false, ..Detail::WITHOUT_BAND };
         Self::with(case, settings, detail).map(|report| report.answer)
@@ -689,14 +690,14 @@ impl AxisReport {
         self.answer.number(name)
     }
 
-    /// Returns the warm steady states as a function of speed, or `None` if no warm state is
-    /// requested or no warm state exists.
+    /// Returns the thermal steady states (warm states) as a function of speed, or `None` if no warm
+    /// state is requested or none exists.
     pub fn warm_branch(&self) -> Option<WarmBranch> {
         WarmBranch::of(&self.case, &self.settings).ok()?
     }
 
-    /// Returns the load \[N\] with which the axis reaches the required life at a given speed
-    /// \[rpm\]. Load and speed are a point of the speed-force diagram.
+    /// Returns the axial load \[N\] at which the axis reaches exactly the required life at a given
+    /// speed \[rpm\]. Load and speed define a point in the speed-force diagram.
     pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
         let required = self.number(output!(required_life_revolutions))?;
         let mean_speed = self.number(output!(equivalent_speed_rpm))?;
@@ -709,8 +710,7 @@ impl AxisReport {
 /// Calculates the results for an axis without creating a report.
 ///
 /// # Errors
-///
-/// Returns the errors of [`AxisReport::of`], and [`CaseError::NoWarmState`] in case of thermal
+/// Returns the same errors as [`AxisReport::of`], and [`CaseError::NoWarmState`] in case of thermal
 /// runaway.
 ///
 /// * `wanted`: selects the quantities to calculate.
@@ -744,7 +744,7 @@ pub(crate) fn numbers(
 /// Returns the warnings about an axis, its nut and its ratings, beginning with the most important
 /// warning.
 ///
-/// * `of_ratings`: warnings about the ratings of the nut.
+/// * `of_ratings`: warnings about the load ratings of the nut.
 fn all_warnings(state: &AxisState<'_>, case: &Case, of_ratings: Vec<Warning>) -> Vec<Warning> {
     let mut texts: Vec<_> = state.machine.warning.iter().cloned().collect();
     texts.extend(case.unused_with_cycle());
@@ -798,7 +798,8 @@ row! {
     pub(crate) struct PhaseRow {
         [skip] phase: usize = "phase";
         [flatten] numbers: NumberCells<PhaseNumbers>;
-        /// Name of the contact model, or the reason why there is no contact torque.
+        /// Name of the contact model, or the reason why the friction torque of the contacts is not
+        /// calculated.
         contacts: String;
         /// Axial force of each nut body in the warm steady state \[N\].
         body_axial_N: Option<Vec<f64>>;
@@ -806,7 +807,7 @@ row! {
 }
 
 answer! {
-    /// Sheet of an axis.
+    /// Calculation sheet of an axis.
     pub(crate) struct AxisMembers {
         /// True if all rules are met, false if a rule is violated, else null.
         passes: Data<Option<bool>>;
@@ -817,7 +818,7 @@ answer! {
 }
 
 answer! {
-    /// Members of the axis sheet that follow the members of the warm state.
+    /// JSON members of the axis sheet that follow the members of the warm state.
     pub(crate) struct AxisRemarks {
         screw: NumbersOf<ScrewNumbers>;
         /// Effects that the results neglect.
@@ -885,8 +886,8 @@ impl AxisState<'_> {
     }
 }
 
-/// Rejects temperature inputs that have no effect, and an accuracy grade without the travel to
-/// which the grade applies.
+/// Rejects temperature inputs that have no effect, and an accuracy grade that is given without the
+/// travel to which it applies.
 fn check_inputs(case: &Case) -> Result<(), CaseError> {
     let travels = case.useful_travel_mm.is_some() || stroke(case)?.is_some();
     if case.entries.accuracy_grade.is_some() && !travels {

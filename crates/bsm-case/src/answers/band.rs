@@ -24,13 +24,13 @@ quantities! { pub(crate) QUANTITIES, read(&LossInterval) of Band;
     }
 }
 
-/// Inputs of a lubricated ball, which are required to calculate the intervals.
+/// Inputs of a lubricated ball that are required to calculate the intervals.
 pub(crate) const NEEDS: Needs = Needs::LUBRICATED;
 
-/// Note that explains why a lubricated point has no interval.
+/// Note that explains why a lubricated operating point has no uncertainty interval.
 pub(crate) const NO_INTERVAL: &str = "No 90 % interval of the friction is calculated, because most random samples of the uncertain inputs have no steady state.";
 
-/// Calculates the intervals for a solved point.
+/// Calculates the uncertainty intervals for a solved operating point.
 ///
 /// # Errors
 ///

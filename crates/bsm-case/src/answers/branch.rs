@@ -1,4 +1,4 @@
-//! Steady motions on the branch of increasing inertia, as columns of tables.
+//! Steady motions along the solution branch on which the inertia increases, as columns of tables.
 
 use bsm_dyn::{ModelWorkspace, SteadyState};
 
@@ -21,11 +21,11 @@ quantities! { pub(crate) QUANTITIES, read(&Efficiencies) of Branch;
 /// Reason why a model has no branch.
 const NO_BRANCH: &str = "the branch of increasing inertia can be followed only with the model rigid or traction (not auto), without a lubricant and without axial_play_um";
 
-/// Efficiencies of the steady motions on a branch.
+/// Efficiencies of the steady motions on a solution branch.
 struct Efficiencies(Vec<f64>);
 
-/// Follows the branch at the operating point of a case and calculates its steady motions. If the
-/// model does not follow branches, or if the branch is lost, the numbers are missing and a text
+/// Follows the solution branch at the operating point of a case and calculates its steady motions.
+/// If the model does not support this, or if the branch is lost, the numbers are missing and a text
 /// states the reason.
 ///
 /// # Errors

@@ -125,9 +125,9 @@ impl MeasurementError {
 const ERROR: &str = "_error";
 
 /// Significance level of the runs test for the residuals. The points are sorted by each varied
-/// input in turn, so the level is divided by the number of these inputs. Residuals are reported as
-/// systematic if the probability that random residuals have so few sign changes is below the
-/// resulting level.
+/// input one after the other, so the level is divided by the number of varied inputs. Residuals are
+/// reported as systematic if the probability that random residuals have so few sign changes is
+/// below the resulting level.
 const SYSTEMATIC: f64 = 0.05;
 
 /// A fit of several inputs to measured values of one output.
@@ -184,12 +184,12 @@ pub struct InputAtLimit {
 /// Result of the fit to all measured points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationReport {
-    /// Values, standard deviations and conditioning of the inputs, and the residuals divided by the
-    /// errors of the points.
+    /// Values, standard deviations and conditioning of the fitted inputs, and the residual of each
+    /// point divided by its measurement error.
     pub found: LeastSquares,
     /// Root mean square of the residuals, in the unit of the output.
     pub scatter: f64,
-    /// Root mean square of the residuals divided by the errors of the points.
+    /// Root mean square of the residuals, each divided by the measurement error of its point.
     pub weighted_scatter: f64,
     /// Inputs that ended at a limit of their search range. If the list is not empty, the fit fails.
     pub at_limit: Vec<InputAtLimit>,
@@ -229,7 +229,7 @@ impl Calibration {
     /// If the groove of the case is estimated, adds the 90 % intervals of the fitted values to the
     /// answer.
     ///
-    /// * `prepare`: prepares the same fit for a case with another possible groove.
+    /// * `prepare`: function that prepares the same fit for a case with another possible groove.
     pub fn with_groove_intervals(
         answer: Answer,
         case: &Case,
@@ -257,8 +257,7 @@ impl Calibration {
     }
 
     /// Fits the inputs, starting from the values of the case.
-    ///
-    /// Model `auto` is replaced by the most complete model.
+    /// The choice `auto` is replaced by the most complete model.
     ///
     /// # Errors
     ///
@@ -310,8 +309,8 @@ impl Calibration {
         Ok(Ok(CalibrationReport { found, scatter, weighted_scatter, at_limit }))
     }
 
-    /// Calculates the range of outputs that are reachable if one input varies over its search
-    /// range, while the other inputs keep their fitted values.
+    /// Calculates the range of reachable outputs if one input varies over its search range and the
+    /// other inputs keep their fitted values.
     fn input_at_limit(
         &self,
         place: usize,
@@ -369,7 +368,7 @@ impl Calibration {
         measured(self.output, &case, &settings, work)
     }
 
-    /// Returns a row for each input: its name, value and standard deviation.
+    /// Returns one row per fitted input with its name, value and standard deviation.
     pub fn rows(&self, report: &CalibrationReport) -> Vec<(&'static str, f64, Option<f64>)> {
         let deviation = |i: usize| report.found.deviations.as_ref().map(|all| all[i]);
         let rows = self.inputs.iter().zip(&report.found.parameters).enumerate();
@@ -387,9 +386,10 @@ impl Calibration {
         points.map(|(point, left)| (point.value, point.value + left))
     }
 
-    /// Returns the input on which the residuals depend systematically, if there is one. The points
-    /// are sorted by each varied input, and the input with the least probable number of sign runs
-    /// is returned, if this probability is too small for random residuals.
+    /// Returns the input on which the residuals depend systematically, or `None` if there is none.
+    /// The points are sorted by each varied input, and the signs of the residuals are counted in
+    /// runs. The input whose number of runs is least probable is returned, if this probability is
+    /// too small for random residuals.
     pub fn systematic(&self, report: &CalibrationReport) -> Option<(InputKey, SignRuns)> {
         let of = |key: InputKey| self.points.iter().map(move |point| point.case[key]);
         let varied = |key: &InputKey| of(*key).any(|value| value != self.points[0].case[*key]);
@@ -468,8 +468,8 @@ impl Calibration {
     }
 }
 
-/// Returns the set of fitted inputs. Fails if an input is given twice, or if a quantity is given in
-/// two forms.
+/// Returns the set of fitted inputs, or an error if an input is given twice or a quantity is given
+/// in two forms.
 fn keys_of(inputs: &[(InputKey, (f64, f64))]) -> Result<InputSet, CaseError> {
     let mut given = GivenNames::default();
     inputs.iter().try_for_each(|(key, _)| given.add(key.name(), key.name()))?;

@@ -36,7 +36,7 @@ answer! {
 answer! {
     /// Models that are not compared.
     pub(crate) struct ModelsLeftOut {
-        /// Reasons why models are omitted.
+        /// Reasons why some models are omitted.
         left_out: Sentences;
     }
 }
@@ -145,8 +145,8 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
     Ok(answer.with_members(ModelsLeftOut { left_out: Sentences("not compared", left_out) }))
 }
 
-/// Returns the answer of a model and the time of one solver run \[µs\]. If no runs are timed, the
-/// time is infinite.
+/// Returns the answer of a model and the time of one solver run \[µs\]. If the number of timed runs
+/// is zero, the time is infinite.
 fn timed(
     case: &Case,
     model: Model,

@@ -1,4 +1,4 @@
-//! Selection of a screw for a requirement, with named quantities and units.
+//! Selection of a screw for a requirement. The results are named quantities with units.
 
 use std::cell::RefCell;
 
@@ -43,15 +43,16 @@ pub struct DesignRow {
     pub passes: bool,
 }
 
-/// The screw selected for a requirement, or the reasons why none exists.
+/// The screw that was selected for a requirement, or the reasons why no suitable screw exists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignReport {
-    /// Results for the selected screw, or for the compromise with the smallest violation.
+    /// Results for the selected screw or, if no screw meets the requirement, for the screw that
+    /// violates it least.
     pub rows: Vec<DesignRow>,
     /// True if the screw meets the requirement.
     pub found: bool,
-    /// Active limits. If no screw meets the requirement, the list contains the limits that cannot
-    /// be met, and the amount by which they are missed.
+    /// Limits that determine the selection. If no screw meets the requirement, the list contains
+    /// the limits that cannot be met, and the amount by which they are missed.
     pub reasons: Vec<String>,
     /// Assumptions that the selection made.
     pub notes: Vec<String>,
@@ -89,7 +90,7 @@ answer! {
         /// True if the screw meets the requirement.
         found: Data<bool>;
         steps: Rows<StepRow>;
-        /// Active limits, or limits that cannot be met.
+        /// Limits that determine the selection, or limits that cannot be met.
         reasons: Sentences;
         [skip] order: Label;
         case: Data<CaseJson>;
@@ -225,8 +226,7 @@ impl DesignReport {
         Self { rows, found, reasons, notes, warnings, order, case }
     }
 
-    /// Returns the answer, which states whether a screw was found, the steps of the selection, and
-    /// the limits.
+    /// Returns the answer: whether a screw was found, the steps of the selection, and the limits.
     pub fn answer(&self) -> Answer {
         let row = |row: &DesignRow| {
             let verdict = if row.passes { "pass" } else { "FAIL" };
@@ -255,7 +255,7 @@ impl DesignReport {
 }
 
 impl RequirementFile {
-    /// Returns the catalog with the steel of the requirement.
+    /// Returns the catalog with the steel that the requirement specifies.
     #[must_use]
     pub fn with_its_material(&self, mut catalog: Catalog) -> Catalog {
         catalog.limits.material = self.problem.material;
@@ -287,7 +287,7 @@ impl RequirementFile {
         AxisReport::without_band(case, &self.settings)
     }
 
-    /// Returns the case of a nut at the operating point of the requirement.
+    /// Returns the case of a nut at the operating point that the requirement specifies.
     pub fn case_of(&self, candidate: &Candidate) -> Case {
         case(self, &Design::of_candidate(&self.problem, candidate, None))
     }
@@ -323,8 +323,8 @@ impl RequirementFile {
         })
     }
 
-    /// Returns the verdict on a screw, based on the rules of its axis sheet and on the selection
-    /// limits in its warnings.
+    /// Returns the verdict on a screw, which is based on the rules of its axis sheet and on the
+    /// selection limits in its warnings.
     pub(crate) fn verdict(&self, sheet: &AxisReport) -> Verdict {
         match self.objections(sheet).next() {
             Some(_) => Verdict::Fails,
@@ -332,7 +332,7 @@ impl RequirementFile {
         }
     }
 
-    /// Returns the titles of the violated rules on the sheet of a screw, and the labels of the
+    /// Returns the titles of the violated rules on the axis sheet of a screw, and the labels of the
     /// selection limits in its warnings.
     pub(crate) fn failed_rules(&self, sheet: &AxisReport) -> Vec<&'static str> {
         let broken = sheet.answer.rules.iter().filter(|rule| rule.fails()).map(|rule| rule.title);
@@ -340,8 +340,8 @@ impl RequirementFile {
         broken.chain(limits.map(SelectionLimit::label)).collect()
     }
 
-    /// Returns the reasons why a screw is not selected: the names of the violated rules on its
-    /// sheet, and the labels of the selection limits in its warnings.
+    /// Returns the reasons why a screw is not selected: the titles of the violated rules on its
+    /// axis sheet, and the labels of the selection limits in its warnings.
     pub(crate) fn objections<'a>(
         &'a self,
         sheet: &'a AxisReport,
@@ -352,9 +352,9 @@ impl RequirementFile {
     }
 }
 
-/// Checks a design against the rules of its sheet and the warnings that are selection limits. The
-/// search does not calculate all balls of a nut, so the efficiency of a preloaded nut is checked
-/// here, too.
+/// Checks a design against the rules of its axis sheet and the warnings that are selection limits.
+/// The efficiency of a preloaded nut is checked here as well, because the search does not solve all
+/// balls of a nut.
 fn accepted(requirement: &RequirementFile, design: &Design) -> Result<(), Vec<&'static str>> {
     let Requirement { least_efficiency, largest_power, preload, .. } = &requirement.problem;
     let case = case(requirement, design);
@@ -387,8 +387,9 @@ fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> O
     WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, point, work))
 }
 
-/// Returns the case of a design in the axis of the requirement, with the load that a given torque
-/// produces, the preload of a preload class, and the nominal diameter of a listed size.
+/// Returns the case of a design in the axis of the requirement. The case contains the load that a
+/// given torque produces, the preload of a preload class, and the nominal diameter of a listed
+/// size.
 fn case(requirement: &RequirementFile, design: &Design) -> Case {
     let Design { nut, size, phase, .. } = design;
     let by_torque = matches!(requirement.problem.demand, LoadCase::Torque(..));
@@ -516,7 +517,8 @@ fn of_rule(rule: &Criterion) -> DesignRow {
     }
 }
 
-/// Describes a rule of the sheet that the best screw within all other limits violates.
+/// Describes an axis-sheet rule that is violated by the best screw among all screws that meet the
+/// other limits.
 fn describe_violation(rule: &Criterion) -> String {
     let Criterion { name, unit, value, limit, at_least, .. } = rule;
     let number =
@@ -538,7 +540,7 @@ fn in_unit(check: &Check, value: f64) -> f64 {
     numbers.entries().next().map_or(f64::NAN, |(_, value)| value)
 }
 
-/// Returns the limits of a check in the unit of its quantity.
+/// Returns the limits that a check imposes, in the unit of its quantity.
 fn bounds(check: &Check) -> Bounds {
     check.bounds.map(|limit| in_unit(check, limit))
 }
@@ -553,8 +555,8 @@ fn unit(quantity: DesignQuantity) -> String {
     if unit.is_empty() { String::new() } else { format!(" {unit}") }
 }
 
-/// Describes an active limit, and states the value that the objective could reach without this
-/// limit.
+/// Describes a limit that determines the selection, and states the value that the objective could
+/// reach without this limit.
 fn describe_active_limit(
     requirement: &RequirementFile,
     design: &Design,
@@ -576,7 +578,7 @@ fn describe_active_limit(
     )
 }
 
-/// Describes a limit that cannot be met, with the best possible value and the cause.
+/// Describes a limit that cannot be met, and states the best achievable value and the cause.
 fn describe_blocking_limit(ActiveLimit { check, cause }: &ActiveLimit) -> String {
     let (name, unit) = (step(check.quantity).about, unit(check.quantity));
     let number = |value: f64| format!("{}{unit}", format_trimmed(in_unit(check, value)));

@@ -14,8 +14,8 @@ use crate::vocabulary::members::{Rows, Word, answer, row};
 use crate::vocabulary::units::{DEG, MM, MPA};
 use crate::{Answer, Case, CaseError, Output, Record, Scales, Settings};
 
-/// Pressure, slip and friction on a grid over the two contact ellipses of a ball, with the sticking
-/// share and integrated results.
+/// Pressure, slip and friction on a grid over the two contact ellipses of a ball, with the fraction
+/// of sticking points and the integrated results.
 #[derive(Debug, Clone)]
 pub struct EllipseFields {
     model: Model,
@@ -26,9 +26,9 @@ pub struct EllipseFields {
 }
 
 row! {
-    /// A contact with its fields. Coordinates are relative to the semi-axes, with the first
-    /// coordinate across the groove. Friction is relative to the normal pressure. Fields are stored
-    /// row by row, with rows along the groove and null outside the ellipse.
+    /// A contact and its fields. Coordinates are divided by the semi-axes; the first coordinate is
+    /// across the groove. Friction is divided by the normal pressure. Fields are stored row by row,
+    /// with rows along the groove and null outside the ellipse.
     #[expect(non_snake_case, reason = "the names end with unit symbols")]
     pub(crate) struct EllipseContact {
         /// `nut` or `screw`.
@@ -42,11 +42,12 @@ row! {
         spin_rad_s: f64 = "spin, rad/s";
         /// Slip speed below which a point sticks.
         creep_speed_m_s: f64;
-        /// True if the model has saturated friction.
+        /// True if the model assumes saturated friction, so that the friction has the same
+        /// direction at all points of a contact.
         saturated: bool;
-        /// Positions of the lines of pure rolling.
+        /// Positions of the lines on which the surfaces roll without slip.
         rolling_lines: Vec<f64>;
-        /// Positions of the points of pure spin.
+        /// Positions of the points at which the slip is pure spin.
         spin_poles: Vec<[f64; 2]>;
         /// Coordinates of the grid.
         places: Vec<f64>;
@@ -55,7 +56,7 @@ row! {
         slip_along_m_s: Field;
         friction_across: Field;
         friction_along: Field;
-        /// Share of the points whose slip speed is below the creep speed.
+        /// Fraction of the grid points whose slip speed is below the creep speed.
         sticking_share: f64 = "share of the ellipse in which the slip speed is below the creep speed";
     }
 }
@@ -220,7 +221,7 @@ struct Grid {
     places: Vec<f64>,
     /// Pressure, slip and friction at the grid points.
     fields: [Field; 5],
-    /// Share of points whose slip speed is below the creep speed.
+    /// Fraction of the grid points whose slip speed is below the creep speed.
     sticking: f64,
 }
 

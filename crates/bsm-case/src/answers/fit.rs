@@ -1,5 +1,5 @@
-//! Search for the input with which a calculated output equals a measured value, or with which a
-//! rule is at its limit.
+//! Search for the value of an input at which a calculated output equals its measured value, or at
+//! which a design rule is exactly at its limit.
 
 use std::cell::RefCell;
 
@@ -47,7 +47,7 @@ fn of_inputs(output: &Output) -> Option<AnalysisKind> {
     output.analysis().filter(|kind| !kind.needs_solution())
 }
 
-/// Returns the value of the measured output that the model predicts for a point, or `None` if there
+/// Returns the value that the model predicts for the measured output at a point, or `None` if there
 /// is no solution.
 ///
 /// # Errors
@@ -77,7 +77,7 @@ pub(crate) fn measured(
     }
 }
 
-/// Replaces model `auto` by the most complete model. Model `auto` only bounds the error of the
+/// Replaces `auto` by the most complete model. The `auto` choice only bounds the error of the
 /// efficiency, which does not limit the error of a fitted input.
 pub(crate) fn exact(case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
     let model = match case.choose(settings.model)? {
@@ -90,15 +90,15 @@ pub(crate) fn exact(case: &Case, settings: &Settings) -> Result<Settings, CaseEr
 /// Default search range of a friction coefficient.
 const FRICTION: (f64, f64) = (1e-4, 0.5);
 
-/// Default search range of other inputs that are fitted to a table of points, relative to the value
-/// in the case.
+/// Default search range of all inputs except friction coefficients in a fit to a table of points,
+/// relative to the value in the case.
 const TABLE_RANGE: (f64, f64) = (0.25, 4.0);
 
-/// Default search range of other inputs that are determined from a single value, relative to the
-/// value in the case.
+/// Default search range of all inputs except friction coefficients in a fit to a single measured
+/// value, relative to the value in the case.
 const SINGLE_VALUE_RANGE: (f64, f64) = (0.01, 100.0);
 
-/// Condition that the value of the input must satisfy.
+/// Condition that the fitted value of an input must satisfy.
 #[derive(Debug, Clone)]
 enum Target {
     /// The output equals the measured value.
@@ -123,7 +123,8 @@ one_member! {
 pub(crate) struct FittedJson {
     #[serde(flatten)]
     value: InputJson,
-    /// Relative change of the input / relative change of the measured output or of the rule margin.
+    /// Relative change of the input divided by the relative change of the measured output or of the
+    /// rule margin.
     #[schemars(with = "Option<f64>")]
     relative_response: f64,
     /// Both ends of the 90 % interval over the possible grooves.
@@ -171,8 +172,8 @@ pub struct FitValue {
     pub record: Option<Record>,
     /// 90 % interval of the value over the possible grooves, if the groove is estimated.
     pub band: Option<Band>,
-    /// Number of possible grooves for which no value near the value for the best groove satisfies
-    /// the condition.
+    /// Number of possible grooves for which no value of the input close to its value for the best
+    /// groove satisfies the condition.
     pub grooves_without_value: usize,
     /// Solutions for the possible grooves, each with the value of the input that satisfies the
     /// condition for this groove.
@@ -184,21 +185,21 @@ pub struct FitValue {
 pub struct FitReport {
     /// Values of the input that satisfy the condition, in ascending order.
     pub found: Vec<FitValue>,
-    /// Values of the input at which the output jumps past the measured value, or the rule jumps
-    /// past its limit.
+    /// Values of the input at which the output jumps across the measured value, or the margin of
+    /// the rule jumps across its limit.
     pub jumps: Vec<f64>,
     /// Parts of the search range in which the rule is met. The list is empty if the condition is a
     /// measured output.
     pub ranges_within_limit: Vec<(f64, f64)>,
-    /// Smallest and largest output, or margin of the rule, in the part of the search range in which
-    /// the model has solutions.
+    /// Smallest and largest value of the output, or of the rule margin, in the part of the search
+    /// range in which the model has solutions.
     pub reachable: Option<(f64, f64)>,
     /// Fraction of the search range in which the model has solutions.
     pub solved: f64,
 }
 
 /// Returns the search range of an input. If none is given, the range is 1e-4 to 0.5 for a friction
-/// coefficient, and `around` times the value in the case for other inputs.
+/// coefficient, and the factors `around` times the value in the case for other inputs.
 fn range_of(
     case: &Case,
     input: InputKey,
@@ -348,8 +349,8 @@ impl Fit {
     /// [`Measurement::parse`].
     ///
     /// # Errors
-    ///
-    /// Returns the errors of [`FittedInput::parse`], [`Measurement::parse`] and [`new`](Self::new).
+    /// Returns the same errors as [`FittedInput::parse`], [`Measurement::parse`] and
+    /// [`new`](Self::new).
     pub fn parse(case: &Case, input: &str, measurement: &str) -> Result<Self, CaseError> {
         Self::new(case, &FittedInput::parse(input)?, &Measurement::parse(measurement)?)
     }
@@ -403,9 +404,8 @@ impl Fit {
 
     /// Finds all values in the search range that reproduce the measured output, or at which the
     /// rule is exactly at its limit.
-    ///
-    /// Model `auto` is replaced by the most complete model. Model `auto` only bounds the error of
-    /// the efficiency, which does not limit the error of the input.
+    /// The choice `auto` is replaced by the most complete model, because `auto` only bounds the
+    /// error of the efficiency, which does not limit the error of the input.
     ///
     /// # Errors
     ///
@@ -449,11 +449,11 @@ impl Fit {
     }
 
     /// Returns the value of the input that satisfies the condition for another possible groove. The
-    /// secant method starts from the value and the slope for the best groove. Returns `None` if the
-    /// iteration leaves the search range or does not converge.
+    /// secant method starts from the value and the slope that were found for the best groove.
+    /// Returns `None` if the iteration leaves the search range or does not converge.
     fn follow(&self, case: &Case, settings: &Settings, best: &FitValue) -> Option<f64> {
-        /// Relative step at which the iteration stops. It is much smaller than the width of any
-        /// interval.
+        /// Relative step size below which the iteration stops. It is much smaller than the relative
+        /// width of any uncertainty interval.
         const STEP: f64 = 1e-6;
         /// Maximum number of iterations.
         const MAX_STEPS: usize = 20;
@@ -544,8 +544,8 @@ impl Fit {
         })
     }
 
-    /// Returns the parts of the search range in which the rule is met. The rule is checked in the
-    /// middle between successive roots and jumps.
+    /// Returns the parts of the search range in which the rule is met. The rule is checked at the
+    /// midpoint between successive roots or jumps.
     fn ranges_within_limit(
         &self,
         roots: &[SignChange],

@@ -1,5 +1,5 @@
-//! Answers for a case with an estimated groove. They contain the estimate and the uncertainty
-//! intervals of the results.
+//! Answers for a case with an estimated groove. They contain the estimated groove and the
+//! uncertainty intervals of the results.
 
 use std::collections::{HashMap, HashSet};
 
@@ -17,8 +17,8 @@ use crate::{
     Answer, Case, Content, Criterion, InputKey, Numbers, Row, Scope, Section, Table, Verdict,
 };
 
-/// Smallest ratio of the width of an interval to the value of the result. A narrower interval is a
-/// rounding error.
+/// Smallest ratio of interval width to result that is significant. A narrower interval is
+/// attributed to rounding errors.
 const ROUNDING: f64 = 1e-9;
 
 /// Maximum number of possible grooves for a case with a warm state. The calculation of a warm state
@@ -35,15 +35,15 @@ const NAMED: usize = 4;
 /// Labels of text sections whose text is one of only a few values.
 const DISCRETE: [&str; 3] = ["regime", "lubrication", "controlling raceway"];
 
-/// JSON member name of the table that contains the verdicts on a motion.
+/// JSON member name of the table that contains the true-or-false statements about a motion.
 const VERDICTS: &str = "verdicts";
 
-/// Typical ratios of catalog stiffness to contact stiffness. The conventions of manufacturers
-/// explain ratios in this range.
+/// Typical ratios of catalog stiffness to contact stiffness. Ratios in this range can be explained
+/// by the different conventions of manufacturers.
 const USUAL_STIFFNESS: std::ops::RangeInclusive<f64> = 0.6..=0.95;
 
 impl Case {
-    /// Returns cases with possible grooves that represent the uncertainty of an estimated groove.
+    /// Returns cases with possible grooves, which represent the uncertainty of an estimated groove.
     /// The list is empty if the groove is given.
     ///
     /// * `count`: number of grooves, at most [`DRAWS`](bsm_design::DRAWS).
@@ -101,9 +101,8 @@ impl Case {
 /// and 90 % intervals (see [`Answer::with_groove_intervals`]).
 ///
 /// # Errors
-///
-/// Returns the errors of `answer` for the case itself. If `answer` fails for some possible grooves,
-/// a note states their number.
+/// Returns the same errors as `answer` for the case itself. If `answer` fails for some possible
+/// grooves, a note states the number of these grooves.
 pub fn with_groove_intervals<E>(
     case: &Case,
     count: usize,
@@ -255,8 +254,8 @@ impl Answer {
         }
     }
 
-    /// Returns the results that exist only for some of the possible grooves, such as the speed at
-    /// the fold of the warm state.
+    /// Returns the results that exist only for some of the possible grooves, such as the highest
+    /// speed with a thermal steady state.
     fn partial_numbers(&self, answers: &[Self]) -> Vec<PartialNumber> {
         let has_same_names = |answer: &Self| {
             answer
@@ -290,8 +289,8 @@ impl Answer {
         names.into_iter().filter_map(partial).collect()
     }
 
-    /// Returns the results that have a value. A result that occurs in several sections is returned
-    /// once per section.
+    /// Returns the results that have a value. If a result occurs in several sections, it is
+    /// returned once per section.
     fn existing_numbers(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let rows = self.all_rows().filter(|row| row.quantity.scope != Scope::Statement);
         let values = rows.flat_map(|row| row.quantity.columns.iter().zip(row.values));
@@ -314,8 +313,8 @@ impl Answer {
         numbers.flat_map(Numbers::all)
     }
 
-    /// Adds the names of the inputs that would decide the rule to each rule that is undecided
-    /// because of the estimated groove.
+    /// For each rule that is undecided because the groove is estimated, adds the names of the
+    /// inputs that would decide it.
     fn name_deciding_inputs(&mut self, deciding: &[&str]) {
         let undecided = |rule: &&mut Criterion| {
             rule.verdict() == Verdict::Undecided && rule.margin_without_default.is_none()
@@ -349,9 +348,8 @@ impl Answer {
         self.rules.iter().filter_map(doubt).collect()
     }
 
-    /// Returns a note for each regime or verdict that differs between possible grooves. The note
-    /// states the percentage of grooves for which the regime or verdict is the same as for the best
-    /// groove.
+    /// Returns a note for each slip regime or verdict that is not the same for all possible
+    /// grooves. The note states the percentage of grooves that agree with the best groove.
     fn shares(&self, answers: &[Self]) -> Vec<String> {
         let note = |what: &str, value: &str, same: usize| {
             let percent = 100.0 * count(same) / count(answers.len());
@@ -502,8 +500,8 @@ impl Table {
         Value::Object(rows.map(|(cells, bands)| (key(cells), row(bands))).collect())
     }
 
-    /// Adds to each number of the table its interval over the corresponding tables for the possible
-    /// grooves.
+    /// Adds an interval to each number of the table. The interval is calculated from the
+    /// corresponding numbers in the tables for the possible grooves.
     fn add_bands(&mut self, others: &[&Self]) {
         let same: Vec<_> =
             others.iter().filter(|other| other.rows.len() == self.rows.len()).collect();
@@ -528,14 +526,14 @@ fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
     own.or_else(|| rows.iter().find(is_same)).copied()
 }
 
-/// Returns the interval of a result over its finite values for the possible grooves, or `None` if
-/// the result does not depend on the groove.
+/// Returns the interval of a result, calculated from its finite values for the possible grooves, or
+/// `None` if the result does not depend on the groove.
 fn band(value: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
     interval_of(value, others.filter(|other| other.is_finite()))
 }
 
-/// Returns the interval of a result over its values for the possible grooves, or `None` if the
-/// result does not depend on the groove.
+/// Returns the interval of a result, calculated from its values for the possible grooves, or `None`
+/// if the result does not depend on the groove.
 fn interval_of(value: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
     let band = Band::of(others)?;
     (band.high - band.low > ROUNDING * value.abs()).then_some(band)
@@ -702,7 +700,7 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     Table::of(&rows)
 }
 
-/// Describes the 90 % range of the number of loaded turns over the hypotheses, weighted by their
+/// Describes the 90 % range of the number of loaded turns. The hypotheses are weighted by their
 /// probabilities.
 fn turns(hypotheses: &[Hypothesis]) -> String {
     let mut sorted: Vec<_> = hypotheses.iter().map(|of| (of.turns, of.probability)).collect();

@@ -1,4 +1,4 @@
-//! Analysis of jamming of the balls, in named quantities with units.
+//! Ball-jamming analysis. The results are named quantities with units.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -145,7 +145,7 @@ struct Jam {
     track: Option<Track>,
 }
 
-/// Contacts with permanent set, and their maximum pressures \[Pa\].
+/// Contacts with permanent deformation, and their maximum pressures \[Pa\].
 struct PermanentContacts {
     set: PermanentSet,
     pressures: [f64; 2],
@@ -155,7 +155,7 @@ struct PermanentContacts {
 struct Friction {
     /// Friction coefficients at nut and screw in steady motion.
     moving: [f64; 2],
-    /// Friction coefficient at the screw for a ball that is stopped in the nut.
+    /// Friction coefficient at the screw for a ball that does not move relative to the nut.
     stopped: f64,
     /// Friction coefficient without a lubricant film: at rest, between balls that roll against each
     /// other, and in the ball return.
@@ -168,38 +168,39 @@ struct BallReturn {
     speed: f64,
     /// Force of the ball's impact on the ball return \[N\].
     impact: f64,
-    /// Thrust on the ball at the apex of the return curve \[N\].
+    /// Push force on the ball at the apex of the return curve \[N\].
     apex: Option<f64>,
-    /// Normal force and thrust at the step into the screw \[N\].
+    /// Normal force and push force on the ball at the step from the ball return into the screw
+    /// \[N\].
     step: Option<(f64, f64)>,
-    /// Critical height of the step into the return \[m\]. No thrust lifts a ball over a higher
-    /// step.
+    /// Critical height of the step at the entry to the ball return \[m\]. No push force lifts a
+    /// ball over a higher step.
     highest: f64,
-    /// Thrust behind a ball divided by the thrust ahead of the ball, at the step into the return.
-    /// The ratio is infinite if no thrust can lift the ball over the step.
+    /// Ratio of the push force behind a ball to the push force ahead of it, at the step at the
+    /// entry to the ball return. The ratio is infinite if no push force can lift the ball over the
+    /// step.
     entered: Option<f64>,
 }
 
-/// Friction forces along the track on the balls of one turn \[N\].
+/// Friction forces that act along the track on the balls of one turn \[N\].
 #[derive(Clone, Copy)]
 struct Track {
     /// Friction force at the screw in steady motion.
     screw: f64,
-    /// Smaller of the friction forces at nut and screw in steady motion.
+    /// Smaller of the friction forces at the nut and at the screw in steady motion.
     weaker: f64,
-    /// Friction force of the screw on the balls of one turn while they stand still.
+    /// Friction force that the screw exerts on the balls of one turn while the balls stand still.
     stopped: f64,
 }
 
-/// Calculates the contacts with permanent set, the centrifugal and drag forces, the wedge
-/// between the raceways, and the thrust in the ball return. The thrust is compared with the
-/// friction that pushes the balls through the return.
+/// Calculates the permanent deformation of the contacts, the centrifugal and drag forces, the
+/// wedging of the ball between the raceways, and the push forces in the ball return. The push
+/// forces are compared with the friction that drives the balls through the return.
 ///
 /// # Errors
-///
 /// Returns [`CaseError::Invalid`] if the model does not calculate the motion of the ball, if the
-/// contacts with permanent set have no solution, or if a number exceeds the range of double
-/// precision.
+/// calculation of the permanent deformation has no solution, or if a number exceeds the range of
+/// double precision.
 pub fn jam(case: &Case, solution: &Solution) -> Result<Answer, CaseError> {
     let jam = Jam::of(case, solution)?;
     let lacks = match jam.permanent {
@@ -286,8 +287,8 @@ impl Jam {
         Some((direction, self.angles().locking_friction(direction)))
     }
 
-    /// Returns the largest thrust in the ball return that the balls must overcome, or `None` if
-    /// there is no thrust or a step blocks the balls.
+    /// Returns the largest push force that the balls must overcome in the ball return, or `None` if
+    /// no push force is needed or a step blocks the balls.
     fn positive_thrust(&self) -> Option<f64> {
         self.ball_return.thrust().filter(|thrust| *thrust > 0.0 && !self.ball_return.is_blocked())
     }
@@ -417,25 +418,25 @@ impl BallReturn {
         }
     }
 
-    /// Returns the thrust that is needed at the step into the return while the ball ahead is at the
-    /// apex.
+    /// Returns the push force that is needed at the step at the entry to the ball return while the
+    /// ball ahead is at the apex.
     fn entry_thrust(&self) -> Option<f64> {
         Some(self.entered.filter(|ratio| ratio.is_finite())? * self.apex?)
     }
 
-    /// Returns true if no thrust lifts a ball over the step into the return.
+    /// Returns true if no push force can lift a ball over the step at the entry to the ball return.
     fn is_blocked(&self) -> bool {
         self.entered.is_some_and(f64::is_infinite)
     }
 
-    /// Returns the largest thrust in the ball return.
+    /// Returns the largest push force in the ball return.
     fn thrust(&self) -> Option<f64> {
         let thrusts = [self.apex, self.step.map(|(_, thrust)| thrust), self.entry_thrust()];
         thrusts.into_iter().flatten().reduce(f64::max)
     }
 }
 
-/// Returns the step into the ball return. The step height defaults to zero.
+/// Returns the step at the entry to the ball return. Its height defaults to zero.
 fn entry_step(case: &Case, ball_radius: f64) -> EntryStep {
     EntryStep {
         height: case.step_height_mm.unwrap_or(0.0) * MM / ball_radius,

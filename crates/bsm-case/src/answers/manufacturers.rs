@@ -1,5 +1,5 @@
-//! Nuts that are read from the rows of a manufacturer's table. The columns are named after inputs
-//! or as in the catalog.
+//! Nuts that are read from the rows of a manufacturer's table. A column has the name of an input or
+//! a name that the catalog uses.
 
 use std::f64::consts::PI;
 
@@ -22,7 +22,7 @@ use crate::{
     with_groove_intervals,
 };
 
-/// Names of known columns that do not contain an input.
+/// Names of known columns that are not inputs.
 const TEXT_COLUMNS: [&str; 6] = [
     "nut",
     "circuits",
@@ -119,8 +119,8 @@ impl ManufacturerNut {
         case
     }
 
-    /// Returns the stiffness of one nut that the manufacturer states \[N/µm\], or `None` if the
-    /// stated stiffness is that of a preloaded nut.
+    /// Returns the stiffness that the manufacturer states for a single nut \[N/µm\], or `None` if
+    /// the stated stiffness applies to a preloaded nut.
     fn stiffness(&self) -> Option<f64> {
         let is_of_one =
             matches!(self.case.entries.rated_rigidity_at, Some(Named(StiffnessAt::Load(_))));
@@ -142,9 +142,9 @@ impl ManufacturerNut {
     }
 }
 
-/// Returns true if a column is kept although its name is unknown, such as the price of the nuts. A
-/// column of numbers is kept only if its name resembles no known name, because a misspelled name
-/// must not remove an input.
+/// Returns true if a column is kept although its name is unknown, for example the price of the
+/// nuts. A numeric column is kept only if its name does not resemble any known name, so that an
+/// input with a misspelled name is not silently ignored.
 fn is_kept_column(
     name: &str,
     has_text: bool,
@@ -191,11 +191,11 @@ impl ComparedNut<'_> {
     }
 }
 
-/// Output that is compared with the stiffness of one nut stated by the manufacturer.
+/// Output that is compared with the stiffness that the manufacturer states for a single nut.
 const CALCULATED_STIFFNESS: OutputName = output!(single_nut_secant_stiffness_N_um);
 
 /// Adds an estimated groove to a case. If no groove can be estimated, returns the unchanged case
-/// and the reason.
+/// together with the reason.
 fn groove_or_reason(case: Case) -> Result<(Case, Option<String>), CaseError> {
     match case.with_groove() {
         Err(CaseError::NoGroove(why)) => Ok((case, Some(why))),
@@ -259,13 +259,13 @@ const MAX_BALL_OVER_LEAD: f64 = 0.8;
 /// Smallest number of rows for which the median of the rating ratios is meaningful.
 const MIN_ROWS_OF_MEDIAN: usize = 5;
 
-/// Plausible range of a row's rating ratio, relative to the median of its table.
+/// Plausible range of the rating ratio in a row, relative to the median of all rows.
 const RATIO_OVER_MEDIAN: (f64, f64) = (0.88, 1.14);
 
-/// Title of the rule that ratings and geometry of a row must belong to the same nut.
+/// Title of the rule that the ratings and the geometry in a row must belong to the same nut.
 const SAME_NUT: &str = "ratings and geometry belong to the same nut";
 
-/// A number of a nut in a list.
+/// A numeric value of a nut in a list.
 #[derive(Debug, Clone, Copy)]
 pub struct ListNumber {
     /// Output of the column, with name, unit and meaning.
@@ -288,14 +288,13 @@ fn numbers_of(
 }
 
 impl ManufacturerRow {
-    /// Compares nuts of a manufacturer with the calculation, and checks them in the axis of a
-    /// requirement. Nuts that pass all rules come first. Within each group, the nuts are sorted by
-    /// the mass of screw and nut. If the mass of a nut is unknown, it is assumed to be zero.
+    /// Compares a manufacturer's nuts with the calculation, and checks them in the axis of a
+    /// requirement. Nuts that pass all rules are listed first. The passing and the failing nuts are
+    /// each sorted by the mass of screw and nut. An unknown mass of a nut is assumed to be zero.
     ///
     /// # Errors
-    ///
-    /// Returns the name of the nut that cannot be calculated, and the [`CaseError`] that names the
-    /// missing or invalid input.
+    /// Returns the name of the nut that cannot be calculated, together with the [`CaseError`] that
+    /// names the missing or invalid input.
     pub fn all(
         nuts: &[ManufacturerNut],
         requirement: Option<&RequirementFile>,
@@ -491,8 +490,8 @@ impl ManufacturerRow {
         Self::TEXTS.iter().any(|(text, _)| *text == name)
     }
 
-    /// Returns the columns of a table of rows. If any number in a column depends on an estimated
-    /// groove, two columns with the ends of the 90 % intervals follow.
+    /// Returns the columns of a table of nuts. A column in which any number depends on an estimated
+    /// groove is followed by two columns with the ends of the 90 % intervals.
     pub fn table(rows: &[&Self]) -> Vec<TableColumn> {
         let Some(first) = rows.first() else { return Vec::new() };
         let text = |name: &str, cell: &dyn Fn(&Self) -> Option<String>| -> TableColumn {
@@ -538,8 +537,8 @@ impl ManufacturerRow {
         columns
     }
 
-    /// Returns the cells of a row about its verdict: whether the nut passes, the failed rules as a
-    /// list, and the same rules as text for the screen. Returns `None` without a requirement.
+    /// Returns the table cells that state whether a nut passes, the failed rules as a list, and the
+    /// failed rules as text for the screen. Returns `None` without a requirement.
     fn verdict_cells(&self) -> Option<[Value; 3]> {
         let shown = (!self.failed_rules.is_empty()).then(|| self.failed_rules.join("; "));
         Some([json!(self.verdict?.passes()), json!(self.failed_rules), json!(shown)])
@@ -697,7 +696,7 @@ fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result
     rated_nut::nut(case).map(drop)
 }
 
-/// Completes the case of a nut whose row does not determine the groove.
+/// Completes the case of a nut whose table row does not determine the groove.
 fn without_ball(
     case: &mut Case,
     circuits: Option<f64>,

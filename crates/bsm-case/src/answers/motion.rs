@@ -17,12 +17,12 @@ use bsm_kin::Site;
 const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutUnloaded];
 
 row! {
-    /// A statement about the motion.
+    /// A true-or-false statement about the motion.
     pub(crate) struct MotionVerdict {
         [skip] statement: &'static str = "statement";
         /// True if the statement holds.
         answer: bool = "";
-        /// The statement, with its numbers.
+        /// The text of the statement, including its numbers.
         words: String = "";
     }
 }
@@ -41,7 +41,7 @@ answer! {
 /// Creates the answer for an analysis of the ball motion.
 ///
 /// * `verdicts`: names and wordings of the true-or-false statements.
-/// * `lacks`: parts of the analysis that are omitted for reasons other than missing inputs.
+/// * `lacks`: parts of the analysis that are omitted for a reason other than missing inputs.
 pub(crate) fn motion_answer<T: NumberTable>(
     case: &Case,
     solution: &Solution,
@@ -66,7 +66,7 @@ pub(crate) fn motion_answer<T: NumberTable>(
     })
 }
 
-/// Explains that quantities are omitted because the model has no contact ellipses.
+/// Explains that quantities are omitted because the model does not calculate contact ellipses.
 pub(crate) fn lacks_ellipses(what: &str, model: Model) -> String {
     format!("{what}: needs a model with elastic contacts, but {} has none", model.name())
 }
@@ -120,9 +120,9 @@ pub(crate) struct MovingBall {
 }
 
 impl MovingBall {
-    /// Returns the ball of the solution, and `false`. If the case contains running contact angles,
-    /// the ball rolls at these angles instead, with the contact ellipses of the solution, and the
-    /// second value is `true`.
+    /// Returns the ball of the solution and `false`. If the case prescribes running contact angles,
+    /// returns a ball that rolls at these angles, with the contact ellipses of the solution, and
+    /// `true`.
     ///
     /// # Errors
     ///
@@ -191,8 +191,7 @@ impl MotionAnswer {
     /// Solves the case with the model that `ModelChoice::for_motion` selects.
     ///
     /// # Errors
-    ///
-    /// Returns the errors of [`Case::problem`].
+    /// Returns the same errors as [`Case::problem`].
     pub fn of(
         case: &Case,
         settings: &Settings,

@@ -40,16 +40,16 @@ mod train;
 pub(crate) use train::CIRCUITS;
 use train::{TrainResult, not_pushed};
 
-/// Typical ratio of catalog stiffness to calculated stiffness, which allows for manufacturing
-/// errors (HIWIN BS-08-2).
+/// Typical ratio of catalog stiffness to calculated stiffness. The ratio is below 1 because of
+/// manufacturing errors (HIWIN BS-08-2).
 const CATALOG_STIFFNESS_RATIO: f64 = 0.8;
 
-/// Smallest and largest value of the drag coefficient `$K_p$` in catalogs, based on measurements
-/// (HIWIN BS-08-2, eq. 3.2).
+/// Smallest and largest value of the preload torque coefficient `$K_p$` in catalogs, based on
+/// measurements (HIWIN BS-08-2, eq. 3.2).
 const RULE_FACTORS: [f64; 2] = [0.1, 0.3];
 
-/// Limits of the ratio of the neglected centrifugal force to the mean ball load: a note is given
-/// above the first limit, and a warning above the second limit.
+/// Two limits for the ratio of the neglected centrifugal force to the mean ball load. A note is
+/// given above the first limit, and a warning above the second limit.
 const CENTRIFUGAL: [f64; 2] = [0.01, 0.1];
 
 /// Number of intervals of the load-displacement curve.
@@ -70,7 +70,7 @@ pub struct NutReport {
     limit_load: OnceCell<Option<f64>>,
 }
 
-/// Results for a nut pair without external load while the screw turns.
+/// Results for a nut pair that carries no external load while the screw turns.
 #[derive(Debug, Clone, Copy)]
 struct PairDrag {
     /// Friction torque of the contacts \[N·m\].
@@ -105,7 +105,7 @@ struct BallFriction {
     friction: NutFriction,
     /// Names of the models that solved the balls with two contacts.
     models: Vec<&'static str>,
-    /// Largest skid onset number of the balls that follow raceway control.
+    /// Largest skid onset number of all balls that obey raceway control.
     onset: Option<f64>,
     /// Reason why the model has no solution for one of the balls.
     why: Option<String>,
@@ -149,8 +149,8 @@ impl NutReport {
         self.ball_friction().map(|ball_friction| &ball_friction.friction)
     }
 
-    /// Returns the distance by which each ball advances relative to the other balls, or `None` if
-    /// the free motions of the balls are unknown.
+    /// Returns the distance that each ball advances relative to the other balls, or `None` if the
+    /// free motions of the balls are unknown.
     fn advance(&self) -> Option<&Advance> {
         self.advance.get_or_init(|| self.advance_of(self.ball_friction()?)).as_ref()
     }
@@ -164,8 +164,8 @@ impl NutReport {
         self.pushed()?.as_ref().ok()
     }
 
-    /// Returns the friction torque of the balls in the opposite direction of travel \[N·m\].
-    /// Returns `None` if push forces between the balls are calculated.
+    /// Returns the friction torque of the balls in the opposite direction of travel \[N·m\], or
+    /// `None` if push forces between the balls are calculated.
     fn reverse_torque(&self) -> Option<f64> {
         let work_out = || {
             let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.at_rest);
@@ -199,22 +199,22 @@ impl NutReport {
         Some(if touch { advance.contact_torque * friction } else { 0.0 })
     }
 
-    /// Returns the friction torque of the preload according to the manufacturers' rule \[N·m\].
+    /// Returns the friction torque due to preload according to the manufacturers' rule \[N·m\].
     fn drag_by_rule(&self) -> Option<f64> {
         let (design, preload) = (&self.problem.design, self.at_rest.preload.as_ref()?);
         positive_finite(drag_torque(preload.warm, design.lead, design.lead_angle()))
     }
 
-    /// Returns the drag coefficient of the running nut pair for a play of zero, or `None` if the
-    /// play is given.
+    /// Returns the preload torque coefficient of the running nut pair for zero play, or `None` if
+    /// the play is given.
     fn factor_without_play(&self) -> Option<f64> {
         let is_given = self.at_rest.nut.errors.axial_play.is_some();
         let pair = self.pair_drag(Some(0.0), Travel::Given).filter(|_| !is_given)?;
         Some(pair.torque / self.rule_torque()?)
     }
 
-    /// Returns the torque and the preload of the nut pair while the screw turns, or `None` if the
-    /// model does not integrate friction over the contacts.
+    /// Returns the friction torque and the preload of the nut pair while the screw turns, or `None`
+    /// if the model does not integrate friction over the contacts.
     fn running_pair(&self, direction: Travel) -> Option<PairDrag> {
         let play = self.at_rest.nut.errors.axial_play;
         let work_out = || self.pair_drag(play, direction);
@@ -224,8 +224,8 @@ impl NutReport {
     /// Calculates the torque and the preload of a nut pair without external load while the screw
     /// turns. All balls of a nut are assumed to be equal.
     ///
-    /// * `play`: play of each nut \[m\]. With `None`, the play is so large that no ball touches a
-    ///   far flank.
+    /// * `play`: play of each nut \[m\]. If `None`, the play is assumed to be so large that no ball
+    ///   touches a far flank.
     fn pair_drag(&self, play: Option<f64>, direction: Travel) -> Option<PairDrag> {
         let NutAtRest { nut, preload, .. } = &self.at_rest;
         let NutPreload { by: PreloadKind::Offset, warm, .. } = (*preload)? else { return None };
@@ -249,14 +249,14 @@ impl NutReport {
         looks.then(|| self.friction().map(|friction| &friction.third_contacts))?
     }
 
-    /// Returns the share of third contacts in the friction torque of all balls. Push forces between
-    /// the balls are neglected.
+    /// Returns the fraction of the friction torque that the third contacts of all balls cause. Push
+    /// forces between the balls are neglected.
     fn third_contact_share(&self) -> Option<f64> {
         let torque = self.third_contacts()?.torque;
         Some(torque / positive_finite(self.friction()?.parts?.torque)?)
     }
 
-    /// Returns the friction torque of the third contacts \[N·m\].
+    /// Returns the friction torque that the third contacts cause \[N·m\].
     pub(crate) fn third_contact_torque(&self) -> Option<f64> {
         Some(self.third_contacts()?.torque)
     }
@@ -265,8 +265,8 @@ impl NutReport {
         matches!(self.problem.friction, Some((FrictionSource::Lubricant(_), _)))
     }
 
-    /// Returns a contribution of the lubricant to the friction of all balls, or `None` if the
-    /// contacts are dry.
+    /// Returns the contribution of a lubricant effect to the friction of all balls, or `None` if
+    /// the contacts are dry.
     fn of_lubricant(&self, part: impl Fn(&FrictionSum) -> f64) -> Option<f64> {
         self.is_lubricated().then(|| self.friction()?.parts.as_ref().map(part))?
     }
@@ -444,8 +444,8 @@ quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
     }
 }
 
-/// Displacements, loads of all balls and stiffness of a nut, under the names that the published
-/// comparison cases use.
+/// Displacements, loads of all balls and stiffness of a nut. The names are those of the published
+/// comparison cases.
 #[derive(Serialize, JsonSchema)]
 #[expect(non_snake_case, reason = "the names end with unit symbols")]
 pub(crate) struct NutVectors {
@@ -469,7 +469,7 @@ pub(crate) struct NutVectors {
     stiffness_SI: Vec<f64>,
     /// Axial force of each nut body.
     body_axial_N: Vec<f64>,
-    /// Stiffness of the two contacts of a ball in series.
+    /// Series stiffness of the two contacts of a ball.
     #[serde(skip_serializing_if = "Option::is_none")]
     K_series_SI: Option<f64>,
     /// Stiffness of the contact between ball and nut.
@@ -566,8 +566,8 @@ pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
     )
 }
 
-/// Returns a sentence that states the torque to measure when the preload is verified, and its
-/// tolerance.
+/// Returns a sentence that states the drag torque to be measured when the preload is verified, and
+/// the tolerance of this torque.
 ///
 /// * `torque`: friction torque according to the manufacturers' rule \[N·m\].
 /// * `seal`: torque of the seals \[N·m\].
@@ -623,7 +623,7 @@ impl NutReport {
         single.then(|| self.at_rest.nut.equal(axial).ok())?
     }
 
-    /// Returns the torque that is needed without friction to move a force equal to the preload
+    /// Returns the torque that is needed, without friction, to move a force equal to the preload
     /// along the lead, `$F_p P_h/2\pi$` \[N·m\].
     fn rule_torque(&self) -> Option<f64> {
         let force = self.at_rest.preload.as_ref()?.warm;
@@ -661,8 +661,9 @@ impl NutReport {
         (axial != 0.0).then(|| axial / (self.found().displacement[0] - from))
     }
 
-    /// Returns the stiffness of a preloaded nut as manufacturers state it \[N/um\]: the ratio of
-    /// the preload to the displacement due to the preload, multiplied by `factor`.
+    /// Returns the stiffness of a preloaded nut in the form in which manufacturers state it
+    /// \[N/um\]: the ratio of the preload to the displacement that it causes, multiplied by
+    /// `factor`.
     fn preload_stiffness(&self, factor: f64) -> Option<f64> {
         let NutPreload { cold, approach, .. } = self.at_rest.preload.as_ref()?;
         Some(factor * cold / approach * UM)
@@ -774,7 +775,8 @@ impl NutProblem {
         self.ball_problem_with_model(source, balls, screw, None)
     }
 
-    /// Returns the problem of one ball. If `prescribed` is given, it prescribes the model.
+    /// Returns the problem of one ball. If `prescribed` is given, the problem uses the model that
+    /// `prescribed` prescribes.
     fn ball_problem_with_model(
         &self,
         source: &FrictionSource,
@@ -800,7 +802,7 @@ impl NutProblem {
         in_grooves(screw, lubricant, (settings.model, GothicArches::default()), &settings)
     }
 
-    /// Returns the answer for a nut without a solution. The answer states the reason.
+    /// Returns the answer for a nut that has no solution. The answer states the reason.
     pub fn unsolved(case: &Case, none: &NutError) -> Answer {
         let status = none.status().name().to_owned();
         let of = Answer { fails: true, warnings: case.warnings(), ..Answer::default() };
@@ -993,7 +995,7 @@ impl NutReport {
         notes
     }
 
-    /// Returns a note on the assumed play, if the play is not given and friction depends on it.
+    /// Returns a note on the assumed play if friction depends on the play but no play is given.
     pub(crate) fn assumed_play(&self) -> Option<String> {
         let NutAtRest { nut, preload, .. } = &self.at_rest;
         if nut.errors.axial_play.is_some() || self.problem.friction.is_none() {
@@ -1020,7 +1022,8 @@ impl NutReport {
         })
     }
 
-    /// Returns notes on the cold and warm preload, and on the torque that verifies the preload.
+    /// Returns notes on the cold and the warm preload, and on the drag torque that is measured to
+    /// verify the preload.
     fn preload_notes(&self) -> Vec<String> {
         let Some(NutPreload { cold, warm, .. }) = self.at_rest.preload else {
             return Vec::new();
@@ -1094,7 +1097,7 @@ impl NutReport {
         beyond_the_flanks(&self.problem.thread, &hertz, contacts)
     }
 
-    /// Returns a warning if the given offset or ball oversize does not preload the nut.
+    /// Returns a warning if the given offset or ball oversize does not produce a preload.
     fn loose_balls(&self) -> Option<String> {
         let is_loose =
             self.problem.sets_preload_by_displacement() && self.at_rest.preload.is_none();
@@ -1106,7 +1109,7 @@ impl NutReport {
     }
 
     /// Returns a note on the neglected centrifugal force if the ratio of this force to the mean
-    /// load of a ball is within `part`.
+    /// ball load is in the range `part`.
     fn centrifugal_note(&self, part: std::ops::Range<f64>) -> Option<String> {
         let (NutAtRest { nut, found, .. }, (_, drive)) =
             (&self.at_rest, self.problem.friction.as_ref()?);
@@ -1219,8 +1222,8 @@ impl NutReport {
         })
     }
 
-    /// Returns the answer with the results for the nut. The answer also contains displacements,
-    /// loads of all balls and stiffness under the names that the reference cases use.
+    /// Returns the answer with the results for the nut. The answer also contains the displacements,
+    /// the stiffness and the loads of all balls, under the names that the reference cases use.
     pub fn answer(&self) -> Answer {
         let (found, nut) = (self.found(), &self.at_rest.nut);
         let [z, x, y, px, py] = found.displacement;

@@ -1,5 +1,5 @@
-//! Comparison of two offers for a screw: the design rules, the results by which screws are
-//! compared, and the inputs that differ.
+//! Comparison of two offers for a screw: design rules, results that are used to compare screws, and
+//! inputs that differ between the offers.
 
 use serde_json::{Map, Value};
 
@@ -9,7 +9,7 @@ use crate::vocabulary::members::{Rows, Sentences, answer, row};
 use crate::{Answer, Criterion, Verdict, output};
 
 row! {
-    /// A rule of both offers.
+    /// A design rule that is checked for both offers.
     pub(crate) struct OfferedRule {
         /// Title of the rule.
         rule: &'static str = "rule";
@@ -32,7 +32,7 @@ row! {
 }
 
 row! {
-    /// A result of both offers.
+    /// A result that is calculated for both offers.
     pub(crate) struct OfferedNumber {
         /// Name of the result.
         number: &'static str;
@@ -48,7 +48,7 @@ row! {
 }
 
 row! {
-    /// An input in which the offers differ.
+    /// An input that differs between the offers.
     pub(crate) struct OfferedInput {
         /// Name of the input.
         input: String = "input";
@@ -60,7 +60,7 @@ row! {
 answer! {
     /// Two offers.
     pub(crate) struct OfferMembers {
-        /// Verdict and order of each offer.
+        /// Verdict on each offer, and order data of its screw.
         offers: Sentences;
         rules: Rows<OfferedRule>;
         numbers: Rows<OfferedNumber>;
@@ -68,8 +68,8 @@ answer! {
     }
 }
 
-/// Results for which a smaller value is better. A larger value is better for the other results of
-/// [`sheet_columns`], except for the results in [`NO_PREFERENCE`].
+/// Results for which a smaller value is better. For all other results of [`sheet_columns`], except
+/// for the results in [`NO_PREFERENCE`], a larger value is better.
 const SMALLER_IS_BETTER: [&str; 6] = [
     "critical_speed_ratio",
     "peak_motor_torque_Nm",
@@ -99,7 +99,8 @@ fn find<'a>(rules: &'a [Criterion], title: &str) -> Option<&'a Criterion> {
     rules.iter().find(|rule| rule.title == title)
 }
 
-/// Returns a text that consists of `words` and the titles of the rules with the given verdict.
+/// Returns a text that consists of `words`, followed by the titles of the rules with the given
+/// verdict.
 fn with_titles(report: &AxisReport, words: &str, verdict: Verdict) -> String {
     let rules = report.answer.rules.iter().filter(|rule| rule.verdict() == verdict);
     let titles: Vec<_> = rules.map(|rule| rule.title).collect();
@@ -109,7 +110,7 @@ fn with_titles(report: &AxisReport, words: &str, verdict: Verdict) -> String {
 
 /// Compares the axis sheets of two offers.
 ///
-/// * `names`: names of the offers, such as their file names.
+/// * `names`: names of the two offers, such as their file names.
 pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> Answer {
     let verdict = |name: &str, report: &AxisReport| {
         let words = match report.verdict() {
@@ -186,7 +187,7 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
     })
 }
 
-/// Returns the inputs in which the offers differ, with the value of each offer.
+/// Returns the inputs that differ between the offers, with the value for each offer.
 fn differing(reports: [&AxisReport; 2]) -> Vec<OfferedInput> {
     let inputs = |report: &AxisReport| match report.case.to_json() {
         Value::Object(inputs) => inputs,
@@ -213,7 +214,7 @@ fn differing(reports: [&AxisReport; 2]) -> Vec<OfferedInput> {
 mod tests {
     use super::*;
 
-    /// If a name in these lists were misspelled, the comparison would report the worse offer as
+    /// A misspelled name in these lists would cause the comparison to report the worse offer as
     /// better.
     #[test]
     fn outputs_that_compare_offers_exist_on_the_axis_sheet() {

@@ -1,4 +1,4 @@
-//! Optimum contact angles and self-locking limits, in named quantities with units.
+//! Optimum contact angles and self-locking limits. The results are named quantities with units.
 
 use std::cell::RefCell;
 
@@ -18,12 +18,12 @@ use bsm_dyn::{
 number_tables! {
     /// Optima and self-locking limits in closed form.
     pub(crate) OptimumNumbers = QUANTITIES.iter();
-    /// Optimum of a model.
+    /// Optimum contact angle that a model predicts.
     pub(crate) ModelOptimum = BY_MODEL.iter();
 }
 
 answer! {
-    /// Optima in closed form, and the optimum of a model.
+    /// Optimum angles in closed form, and the optimum contact angle that a model predicts.
     pub(crate) struct OptimumMembers {
         [flatten] numbers: NumbersOf<OptimumNumbers>;
         /// Model for which the optimum was found.
@@ -103,7 +103,7 @@ impl AnglesAndFriction {
         })
     }
 
-    /// Returns the best efficiency at the given lead angle or, if none is given, at the given
+    /// Returns the best efficiency at the given lead angle or, without a lead angle, at the given
     /// contact angle.
     fn best_efficiency(&self) -> [Option<f64>; 2] {
         let best = Optimum::best_efficiency(self.friction);
@@ -166,9 +166,9 @@ pub fn optimum(case: &Case, model: Option<Model>) -> Result<Answer, CaseError> {
     Ok(answer)
 }
 
-/// Finds the contact angle at which a model has the smallest loss in the direction of the given
-/// speeds. The optimum is `None` if the model has no solution at any angle, or if the smallest loss
-/// is at an end of the range.
+/// Finds the contact angle at which the loss that a model predicts is smallest, for the direction
+/// of the given speeds. The result is `None` if the model has no solution at any angle, or if the
+/// smallest loss is at an end of the range.
 fn best_by(case: &Case, model: Model) -> Result<(Direction, Option<Optimum>), CaseError> {
     let settings = Settings::from(model);
     let speeds = case.speeds_rpm().map_or(1.0, |(screw, nut)| screw - nut);

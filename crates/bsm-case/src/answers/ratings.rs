@@ -1,4 +1,4 @@
-//! Ratings of a nut, in named quantities with units.
+//! Ratings of a nut as named quantities with units.
 
 mod warnings;
 
@@ -24,7 +24,7 @@ pub(crate) const STEPS: &str = "steps";
 number_tables! {
     /// Ratings and results of a nut.
     pub(crate) RatingNumbers = QUANTITIES.iter().filter(|quantity| quantity.title != STEPS);
-    /// Inputs with their defaults.
+    /// Inputs, including default values for missing inputs.
     pub(crate) InputsAsUsed = AS_USED.iter();
     /// Intermediate values of the ratings.
     pub(crate) RatingSteps = QUANTITIES.iter().filter(|quantity| quantity.title == STEPS);
@@ -209,12 +209,12 @@ impl<'a> NutRatings<'a> {
         Ok(numbers)
     }
 
-    /// Returns the value of `number` for a preloaded pair, or `None` for a single nut.
+    /// Returns the value of `number` for a preloaded pair, and `None` for a single nut.
     fn for_pair(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
         self.preloaded.then(|| number(&self.elasticity))
     }
 
-    /// Returns the value of `number` for a single nut, or `None` for a preloaded pair.
+    /// Returns the value of `number` for a single nut, and `None` for a preloaded pair.
     fn for_single_nut(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
         (!self.preloaded).then(|| number(&self.elasticity))
     }
@@ -252,7 +252,8 @@ impl<'a> NutRatings<'a> {
         (!self.case.is_loaded()).then(|| assumed_preload(self.force))
     }
 
-    /// Returns warnings about exceeded limits of the formulas and about unfavorable proportions.
+    /// Returns warnings about unfavorable proportions and about inputs outside the limits of the
+    /// formulas.
     fn warnings(&self) -> Result<Vec<Warning>, CaseError> {
         let Self { case, nut, thread, body, elasticity, dynamic, force, life, .. } = self;
         let load = case.axial_load_N;
@@ -304,14 +305,12 @@ pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
 /// Calculates the ratings of a nut, either as a pair with the preload `preload_N` or as a single
 /// nut under `axial_load_N`. If neither input is given, the nut is a pair with a preload of 0.15
 /// times the dynamic load rating.
-///
-/// The life refers to the axial load and speed of the case. The life under a cycle is a result of
-/// the axis sheet.
+/// The life applies to the axial load and the speed of the case. The life under a duty cycle is
+/// calculated for the axis sheet.
 ///
 /// # Errors
-///
-/// Returns [`CaseError`] if an input is missing or violates its rule, or if the grooves allow no
-/// contact ellipse.
+/// Returns [`CaseError`] if an input is missing or violates its rule, or if no contact ellipse can
+/// exist in the grooves.
 pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
     let rated = NutRatings::of(case)?;
     let mut answer = rated.answer()?;

@@ -1,4 +1,4 @@
-//! Solutions of a model, in named quantities with units.
+//! Solutions of a model as named quantities with units.
 
 use bsm_dyn::{
     Model, ModelWorkspace, Problem, Reason, Solution, Status, SteadyState,
@@ -29,10 +29,10 @@ use crate::{
 /// \[Pa\]. The static load rating of ISO 76 is based on this value.
 pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 
-/// Explains why model `auto` chose a model, based on the error bound.
+/// Explains why `auto` chose a certain model, based on the error bound.
 ///
-/// * `bound`: bound on the error of the efficiency; `None` if the error is unknown because model
-///   `traction` has no solution.
+/// * `bound`: bound on the error of the efficiency; `None` if the error is unknown because the
+///   `traction` model has no solution.
 pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     let Some(bound) = bound else {
         return format!(
@@ -155,15 +155,15 @@ impl Record {
         })
     }
 
-    /// Returns a sentence that explains why model `auto` chose the model, if `auto` was requested.
+    /// Returns a sentence that explains why `auto` chose the model, or `None` if `auto` was not
+    /// requested.
     pub fn choice(&self) -> Option<String> {
         let bound = self.solved()?.error.map(|error| error.efficiency);
         Some(reason_of_choice(&self.solution.as_ref()?.choice?, bound))
     }
 
-    /// Returns the names of the outputs to which the error bound of the efficiency does not apply.
-    /// If `auto` chose another model than `traction`, these are the outputs of the ball and its
-    /// contacts.
+    /// Returns the names of the outputs to which the error bound of the efficiency does not apply:
+    /// the outputs of the ball and its contacts, if `auto` chose a model other than `traction`.
     pub fn unbounded(&self) -> Vec<&'static str> {
         let is_chosen =
             |solution: &&Solution| solution.choice.is_some() && solution.model != Model::Traction;
@@ -172,8 +172,8 @@ impl Record {
         own.filter(|output| output.read(solution).is_some()).map(|output| output.name).collect()
     }
 
-    /// Returns the warnings about inputs and result that are shown by `bsm solve` and in a row of a
-    /// table.
+    /// Returns the warnings about the inputs and the result. They are shown by `bsm solve` and in
+    /// the rows of a table.
     pub fn all_warnings(&self, case: &Case) -> Vec<String> {
         case.warnings().into_iter().chain(self.warnings(case)).collect()
     }
@@ -255,9 +255,9 @@ impl Record {
         self.film().map(|_| uncertainty.to_owned()).into_iter().collect()
     }
 
-    /// Returns a note on the critical lead angle if model `rigid` has no solution because the ball
-    /// would roll on the nut. Table rows have no such note, because calculating this angle takes
-    /// longer than solving the point.
+    /// Returns a note on the critical lead angle if the `rigid` model has no solution because the
+    /// ball would roll on the nut. Table rows have no such note, because calculating this angle
+    /// takes longer than solving the point.
     fn critical_lead_angle(&self, case: &Case, settings: &Settings) -> Option<String> {
         let (Some(Reason::NutContactWouldRoll { .. }), Ok(Problem::Rigid(rigid))) =
             (self.solution.as_ref()?.reason(), case.problem(settings))
@@ -275,10 +275,10 @@ impl Record {
         })
     }
 
-    /// Returns a note on the threshold play, below which friction presses the ball against a far
-    /// flank. There is no note if the play is given or if the model already calculates the
-    /// threshold. Table rows have no such note, because it requires a solution with model
-    /// `traction`.
+    /// Returns a note on the threshold play. If the play is smaller, friction presses the ball
+    /// against a far flank. There is no note if the play is given or if the model already
+    /// calculates the threshold. Table rows have no such note, because it requires a solution with
+    /// the `traction` model.
     fn threshold_play(
         &self,
         case: &Case,
@@ -343,7 +343,8 @@ impl Record {
         self.solved()?.alternatives
     }
 
-    /// Returns warnings about points with several solutions or without a consistent solution.
+    /// Returns warnings about operating points that have several solutions or no consistent
+    /// solution.
     fn ambiguities(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let Some(Alternatives { count, farthest_efficiency: Some(eta) }) = self.others() {
@@ -536,7 +537,7 @@ answer! {
     }
 }
 
-/// Optional parts of an answer in addition to the record of a point.
+/// Optional parts of an answer that complement the record of an operating point.
 #[derive(Debug, Clone, Default)]
 pub struct Supplement {
     /// True if the answer states the uncertainty of lubricated friction.
@@ -553,7 +554,7 @@ const NOT_INCLUDED: &str = "ball-to-ball contact, ball returns, seals and drag, 
                          manufacturers' rule predicts for a preloaded nut.";
 
 row! {
-    /// Interval of a result that follows from the uncertainty of the lubricated friction.
+    /// Interval of a result due to the uncertainty of the lubricated friction.
     pub(crate) struct LossRow {
         [skip] name: &'static str;
         [skip] label: &'static str = "90 % interval";
@@ -595,8 +596,8 @@ pub(crate) fn skid_warning(onset: f64) -> Option<String> {
 fn film_warnings(film: &FilmState) -> Vec<String> {
     /// Temperature rise of the lubricant film that reduces the film thickness by about half \[K\].
     const HEATING_LIMIT_K: f64 = 10.0;
-    /// Value of the load parameter M below which contacts are so rigid that the formula for elastic
-    /// contacts gives a wrong film thickness (theory 17).
+    /// Value of the load parameter M below which the contacts behave as rigid, so that the formula
+    /// for elastic contacts gives a wrong film thickness (theory 17).
     const RIGID_LOAD_PARAMETER: f64 = 10.0;
     let mut warnings = Vec::new();
     let load_parameter = film.nut.load_parameter.min(film.screw.load_parameter);
@@ -616,7 +617,7 @@ fn film_warnings(film: &FilmState) -> Vec<String> {
     warnings
 }
 
-/// Returns the message for the reason why a model has no solution. Numbers in the message have the
+/// Returns a message that explains why a model has no solution. Numbers in the message have the
 /// units of the outputs.
 #[expect(clippy::too_many_lines, reason = "the match has one arm for each reason")]
 pub(crate) fn message(reason: &Reason) -> String {

@@ -4,17 +4,17 @@ use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::MM;
 use crate::{Case, Numbers, OUTPUTS, Output, Quantity, Record, output};
 
-/// Magnitude below which a number is treated as a rounding error and shown as 0, relative to the
-/// scale of its unit.
+/// Magnitude, relative to the scale of the unit, below which a number is treated as a rounding
+/// error and shown as 0.
 const ROUNDING: f64 = 1e-12;
 
-/// Scale of each unit in a table: the largest magnitude among the numbers with this unit, and 180
-/// for angles.
+/// Reference magnitude of each unit in a table: the largest magnitude among the numbers with this
+/// unit, or 180 for angles.
 #[derive(Debug, Clone)]
 pub struct Scales(Vec<(&'static str, f64)>);
 
 impl Scales {
-    /// Determines the scale of each unit from pairs of unit and number.
+    /// Determines the reference magnitude of each unit from pairs of unit and number.
     pub fn of(numbers: impl Iterator<Item = (&'static str, f64)>) -> Self {
         let mut scales = vec![("deg", 180.0)];
         for (unit, value) in numbers {
@@ -26,8 +26,8 @@ impl Scales {
         Self(scales)
     }
 
-    /// Returns the number, or zero if it is only a rounding error at the scale of its unit. A
-    /// number without a unit has no scale and is returned unchanged.
+    /// Returns the number, or zero if it is only a rounding error compared with the reference
+    /// magnitude of its unit. A number without a unit is returned unchanged.
     pub fn clean(&self, unit: &str, value: f64) -> f64 {
         let scale = self.0.iter().find(|(known, _)| !unit.is_empty() && *known == unit);
         let noise = scale.is_some_and(|(_, largest)| value.abs() < ROUNDING * largest);

@@ -23,7 +23,7 @@ const SAMPLED: [OutputName; 6] = [
 /// Maximum number of samples.
 const MAX_SAMPLES: u64 = 1_000_000;
 
-/// Maximum number of samples of each possible groove. With 200 samples, the 5 % quantile is the
+/// Maximum number of samples for each possible groove. With 200 samples, the 5 % quantile is the
 /// tenth smallest value.
 const PER_GROOVE: u64 = 200;
 
@@ -33,7 +33,7 @@ const PER_GROOVE: u64 = 200;
 pub struct Samples<'a> {
     problem: &'a NutProblem,
     seed: u64,
-    /// Indices of the lead errors that have random phases.
+    /// Indices of the lead-error waves that have random phases.
     waves: Vec<usize>,
 }
 

@@ -135,7 +135,7 @@ pub(crate) struct RecordJson(pub(crate) Map<String, Value>);
 pub(crate) struct CaseJson(pub(crate) Value);
 
 impl RecordJson {
-    /// Returns the names of the members.
+    /// Returns the names of the JSON members.
     pub(crate) fn names() -> impl Iterator<Item = &'static str> {
         let texts = ["model", "status", "message", "choice", "without_error_bound"];
         texts.into_iter().chain(OUTPUTS.iter().map(|output| output.name))
@@ -180,12 +180,12 @@ pub struct ObjectSchema {
 }
 
 impl ObjectSchema {
-    /// Returns the schema of the answer with the members of `T`, and with its notes and warnings.
+    /// Returns the schema of an answer that contains the members of `T`, notes and warnings.
     pub fn answer<T: JsonSchema>() -> Self {
         Self::default().and::<T>().member::<Vec<String>>("notes").member::<Vec<String>>("warnings")
     }
 
-    /// Adds the members of a type.
+    /// Adds the members of a type to the schema.
     #[must_use]
     pub fn and<T: JsonSchema>(mut self) -> Self {
         let mut schema = schema_of::<T>();
@@ -198,21 +198,21 @@ impl ObjectSchema {
         self
     }
 
-    /// Adds a member.
+    /// Adds a member to the schema.
     #[must_use]
     pub fn member<T: JsonSchema>(mut self, name: &str) -> Self {
         self.required.push(name.into());
         self.optional_member::<T>(name)
     }
 
-    /// Adds a member that can be absent.
+    /// Adds an optional member to the schema.
     #[must_use]
     fn optional_member<T: JsonSchema>(mut self, name: &str) -> Self {
         self.properties.insert(name.to_owned(), schema_of::<T>().into());
         self
     }
 
-    /// Adds outputs, each of which can be absent.
+    /// Adds outputs to the schema as optional members.
     #[must_use]
     fn optional_outputs(mut self, outputs: impl Iterator<Item = &'static Output>) -> Self {
         self.properties.extend(outputs.map(property));
@@ -226,7 +226,8 @@ impl ObjectSchema {
         self.optional_outputs(outputs)
     }
 
-    /// Adds the members of an answer about a case: missing inputs, and the estimate of the groove.
+    /// Adds the members that an answer about a case contains: missing inputs, and the estimated
+    /// groove.
     #[must_use]
     fn about_a_case(self) -> Self {
         self.optional_member::<Vec<NotGivenRow>>("not_given")
@@ -262,14 +263,14 @@ fn schema_of<T: JsonSchema>() -> Schema {
     settings.into_generator().into_root_schema_for::<T>()
 }
 
-/// An answer with its schema.
+/// An answer and its JSON schema.
 #[derive(Debug, Clone, Copy)]
 pub struct AnswerSchema {
     /// Name of the schema.
     pub name: &'static str,
     /// Command that prints the answer.
     pub command: &'static str,
-    /// Returns the alternative forms of the answer.
+    /// Returns the schemas of the alternative forms that the answer can have.
     pub forms: fn() -> Vec<Value>,
 }
 
@@ -336,7 +337,8 @@ impl AnswerSchema {
 
     /// Creates the schema of an answer.
     ///
-    /// * `forms`: function that returns the alternative forms of the answer.
+    /// * `forms`: function that returns the schemas of the alternative forms that the answer can
+    ///   have.
     pub const fn of(name: &'static str, command: &'static str, forms: fn() -> Vec<Value>) -> Self {
         Self { name, command, forms }
     }

@@ -17,9 +17,9 @@ pub struct GrooveSection {
     pub ball_radius: f64,
     /// Contact angle without load \[rad\].
     pub contact_angle: f64,
-    /// Outline of the groove and the lands of the screw.
+    /// Outline of the screw: groove and lands.
     pub screw: Vec<(f64, f64)>,
-    /// Outline of the groove and the lands of the nut.
+    /// Outline of the nut: groove and lands.
     pub nut: Vec<(f64, f64)>,
     /// Angles around the ball center at which the flanks of nut and screw begin and end \[deg\].
     pub flanks: [[f64; 2]; 2],

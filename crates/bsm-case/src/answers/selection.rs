@@ -20,7 +20,7 @@ use crate::{
 };
 
 quantities! {
-    /// Columns of a list of nuts. The screen shows only the columns with the title "shown".
+    /// Columns of a list of nuts. The screen shows only the columns in the group "shown".
     pub CATALOG, read(&Candidate);
     "shown" {
         nominal_diameter_mm = LISTS Scalar(|c| decimal(c.size.diameter / MM));
@@ -241,7 +241,8 @@ pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFil
     Value::Object(nut)
 }
 
-/// Conditions on nuts and their sort order, in addition to a requirement.
+/// Conditions that nuts must meet in addition to a requirement, and the order in which the nuts are
+/// sorted.
 #[derive(Debug, Clone, Default)]
 pub struct NutFilter {
     of_nut: Vec<Condition>,
@@ -405,7 +406,7 @@ impl NutFilter {
         self.list(catalog, all.len(), requirement.is_some(), found)
     }
 
-    /// Creates the list of nuts from the sizes that were found.
+    /// Creates the list of nuts from the sizes that the catalog search found.
     fn list(&self, catalog: Catalog, all: usize, has_sheets: bool, found: Found) -> NutList {
         let Found { within, chosen, sheets, reasons, warnings } = found;
         NutList {
@@ -453,8 +454,9 @@ impl NutFilter {
         found.sheets = sheets.into_iter().map(|(place, _, sheet)| (place, sheet)).collect();
     }
 
-    /// Returns reasons why no nut meets all conditions. Each reason states how many nuts would
-    /// remain without one of the conditions, and which of their values comes closest to meeting it.
+    /// Returns reasons why no nut meets all conditions. For each condition, the reason states how
+    /// many nuts would remain without it, and which value of these nuts comes closest to meeting
+    /// it.
     ///
     /// * `keeps`: function that returns true for the nuts that meet the requirement.
     fn nearest(
@@ -487,7 +489,7 @@ impl NutFilter {
     }
 }
 
-/// Returns the limits of a requirement that no nut of the catalog meets.
+/// Returns the limits of a requirement that no nut in the catalog meets.
 fn blocking_limits(requirement: &RequirementFile, catalog: &Catalog) -> Vec<String> {
     match DesignReport::standard(requirement, catalog) {
         Some(report) => report.reasons,
@@ -520,8 +522,8 @@ impl Found {
 #[derive(Debug, Clone)]
 #[expect(clippy::large_enum_variant, reason = "a list contains only one value of this type")]
 enum Rows {
-    /// Standard sizes. `sheets` contains the values of the axis sheet for each size that meets the
-    /// requirement, by index of the size.
+    /// Standard sizes. `sheets` maps the index of each size that meets the requirement to the
+    /// values on its axis sheet.
     Sizes { catalog: Catalog, sheets: BTreeMap<u32, Vec<f64>> },
     /// Rows of a manufacturer's table.
     Table(Vec<ManufacturerRow>),
@@ -667,7 +669,8 @@ impl NutList {
         answer.with("", Content::Table(table))
     }
 
-    /// Returns the intervals of the first nuts in the displayed units of the given columns.
+    /// Returns the intervals for the first nuts of the list, in the units in which the given
+    /// columns are displayed.
     fn bands_of(&self, count: usize, columns: &[ShownColumn]) -> Vec<Vec<Option<Band>>> {
         let heads = self.heads();
         let band = |row: &ManufacturerRow, column: &ShownColumn| {

@@ -9,7 +9,7 @@ use crate::case::reader::Reader;
 use crate::vocabulary::members::row;
 use crate::{Case, CaseError, InputKey, InputSet, Quantity, Settings};
 
-/// Number of inputs for which a single solver run calculates the derivatives. The time of a run
+/// Number of inputs whose derivatives are calculated in a single solver run. The time of a run
 /// increases with this number, and most callers request fewer derivatives.
 const AT_A_TIME: usize = 8;
 
@@ -20,9 +20,9 @@ row! {
         [skip] input: &'static str = "sensitivity to";
         [skip] unit: &'static str = "unit";
         [skip] value: f64 = "value";
-        /// Relative change of the efficiency / relative change of the input.
+        /// Relative change of the efficiency divided by the relative change of the input.
         efficiency_relative: Option<f64> = "efficiency, %/%";
-        /// Relative change of the torque / relative change of the input.
+        /// Relative change of the torque divided by the relative change of the input.
         ball_torque_relative: Option<f64> = "torque, %/%";
         /// Derivative of the efficiency.
         efficiency: f64 = "efficiency, 1/unit";
@@ -66,8 +66,8 @@ pub struct Sensitivity {
 
 impl Sensitivities {
     /// Prepares the derivatives of a case with respect to all inputs of its model. If the default
-    /// of one input is calculated from a second input, a change of the second input also changes
-    /// the first input.
+    /// value of an input is calculated from a second input, the derivatives with respect to the
+    /// second input include the resulting change of the default value.
     ///
     /// # Errors
     ///
@@ -112,8 +112,7 @@ impl Sensitivities {
     /// are sorted by the effect of the input on the efficiency.
     ///
     /// # Errors
-    ///
-    /// Returns the errors of [`Problem::sensitivities`].
+    /// Returns the same errors as [`Problem::sensitivities`].
     pub fn solve(
         &self,
         work: &mut ModelWorkspace,

@@ -1,4 +1,4 @@
-//! Slip of a solved ball, in named quantities with units.
+//! Slip of a solved ball. The results are named quantities with units.
 
 use bsm_dyn::{
     Coulomb, Model, Solution,
@@ -67,9 +67,9 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     }
 }
 
-/// Largest relative difference between friction power and dissipated power that rounding errors can
-/// explain. The motion is reconstructed from outputs in which the largest speeds can be a million
-/// times the slip.
+/// Largest relative difference between friction power and dissipated power that can be attributed
+/// to rounding errors. The motion is reconstructed from outputs, and the largest speeds can be a
+/// million times the slip.
 const POWERS_AGREE: f64 = 1e-6;
 
 /// Largest permitted relative difference between friction power and dissipated power of a
@@ -79,7 +79,7 @@ const POWERS_AGREE_IN_FILMS: f64 = 1e-3;
 
 /// Calculates the gyroscopic angles, the differential slip, the slip between neighboring balls, the
 /// spin and the orbit slip. Each formula is evaluated as printed, as corrected and in exact form.
-/// The function also calculates the power that each part of the slip dissipates.
+/// The function also calculates the power that each component of the slip dissipates.
 ///
 /// If running contact angles are given, the ball rolls at these angles. Friction and its power are
 /// then omitted, because the given angles are not in equilibrium with the load.
@@ -214,7 +214,7 @@ struct Loss {
     /// Power that the model dissipates \[W\].
     dissipated: f64,
     /// Part of the dissipated power that is due to sliding at the contacts \[W\]. Without a
-    /// lubricant, it equals `dissipated`.
+    /// lubricant, this part equals `dissipated`.
     sliding: f64,
     /// Gyroscopic moment \[N·m\].
     gyroscopic_moment: f64,

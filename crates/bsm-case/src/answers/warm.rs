@@ -74,9 +74,9 @@ number_tables! {
 pub(crate) enum ConductanceOrigin {
     /// An input.
     Given,
-    /// Calculated from speeds and sizes.
+    /// The conductance is calculated from speeds and dimensions.
     Computed,
-    /// The default of zero.
+    /// The conductance has its default value of zero.
     Default,
 }
 
@@ -109,8 +109,8 @@ answer! {
 }
 
 impl WarmState {
-    /// Builds the table of conductances. Each conductance is given, computed from speeds and sizes,
-    /// or has its default of zero.
+    /// Builds the table of conductances. Each conductance is given, is calculated from speeds and
+    /// dimensions, or has its default value of zero.
     fn conductances(&self, numbers: &Numbers) -> Keyed<Conductance> {
         let of_state = numbers.rows().filter(|row| row.quantity.title == "conductances");
         let row = |row: &Row| {
@@ -127,20 +127,22 @@ impl WarmState {
     }
 }
 
-/// Returns the temperature of a network node at the fold \[°C\].
+/// Returns the temperature \[°C\] of a network node at the fold, the highest speed with a thermal
+/// steady state.
 fn at_fold(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
     Some(celsius(fold.assembly_temperature, &fold.rises)[node])
 }
 
-/// Returns the temperature of a network node in the unstable state at the given speeds \[°C\].
+/// Returns the temperature of a network node in the unstable steady state at the given speeds
+/// \[°C\].
 fn unstable(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
     Some(celsius(fold.assembly_temperature, &fold.unstable.as_ref()?.rises)[node])
 }
 
-/// Returns true if a result can be calculated only by following the branch of warm states to the
-/// fold.
+/// Returns true if a result can be calculated only by following the branch of warm states up to the
+/// fold, the highest speed with a thermal steady state.
 fn is_of_fold(name: &str) -> bool {
     name.starts_with("fold_") || name.starts_with("unstable_")
 }
@@ -163,11 +165,10 @@ const BAND_RESULTS: [&str; 10] = [
 const PHASE_BAND_RESULTS: [&str; 2] =
     ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
 
-/// Returns whether the lower and the upper bound of a result are missing because no steady state
-/// exists under some of the varied assumptions.
-///
-/// If the reason is thermal runaway or an excessive temperature, the upper bounds are missing,
-/// except that the screw tension lacks its lower bound. For any other reason, both bounds are
+/// Returns two values: whether the lower bound and whether the upper bound of a result is missing
+/// because no steady state exists under some of the varied assumptions.
+/// In case of thermal runaway or of an excessive temperature, the upper bounds are missing, except
+/// that the lower bound is missing for the screw tension. In all other cases, both bounds are
 /// missing.
 fn missing_bounds(unsolved: &[(Estimate, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     let heats = |why: &NoSteadyState| {
@@ -199,7 +200,7 @@ fn band_values(nut: &WarmNut<'_>, steady: &SteadyState) -> Vec<f64> {
 }
 
 impl Warm {
-    /// Calculates the warm state and its uncertainty band, if the case requests the warm state.
+    /// Calculates the warm state and its uncertainty band, if the case requests a warm state.
     pub(crate) fn with_band(
         case: &Case,
         settings: &Settings,
@@ -312,15 +313,15 @@ impl Warm {
     }
 }
 
-/// Branch of warm steady states of an axis. It extends from standstill to the fold, and from there
-/// back along the unstable states.
+/// Branch of warm steady states of an axis. The branch begins at standstill, reaches its highest
+/// speed at the fold, and returns to lower speeds along the unstable states.
 #[derive(Debug, Clone)]
 #[expect(
     non_snake_case,
     reason = "the names end with units, and some unit symbols are capital letters"
 )]
 pub struct WarmBranch {
-    /// States in the order in which the branch passes through them.
+    /// States in the order in which they follow each other along the branch.
     pub points: Vec<WarmPoint>,
     /// Largest screw speed in the case \[rpm\].
     pub speed_rpm: f64,
@@ -341,7 +342,8 @@ pub struct WarmPoint {
     pub temperatures_C: [f64; 3],
     /// Preload without external load \[N\].
     pub preload_N: f64,
-    /// True for stable states before the fold, false for unstable states beyond the fold.
+    /// True for stable states, which precede the fold on the branch, and false for unstable states,
+    /// which follow the fold.
     pub stable: bool,
 }
 
@@ -379,8 +381,8 @@ impl WarmBranch {
         }))
     }
 
-    /// Returns the state at the fold, which has the largest speed of the branch. Returns `None` if
-    /// no unstable states follow.
+    /// Returns the state at the fold, which has the highest speed on the branch. Returns `None` if
+    /// the branch ends without unstable states.
     pub fn fold(&self) -> Option<&WarmPoint> {
         let first_beyond = self.points.iter().position(|point| !point.stable)?;
         self.points[..first_beyond].last()
@@ -403,7 +405,7 @@ impl WarmBranch {
     }
 }
 
-/// Returns the names of the inputs that the warm state needs and that are missing.
+/// Returns the names of missing inputs that the warm state requires.
 pub(crate) fn missing(base: &Case, given: InputSet) -> Vec<String> {
     let state = (!base.requests_warm_state()).then(|| "warm_state (true)".to_owned());
     let stroke = (!given.contains(InputKey::stroke_mm)).then(|| "stroke_mm".to_owned());
@@ -413,8 +415,9 @@ pub(crate) fn missing(base: &Case, given: InputSet) -> Vec<String> {
 /// Calculates the results for the warm state. If the case does not request the warm state, there
 /// are no results.
 ///
-/// * `wanted`: returns true for the quantities to calculate. The fold is searched for only if a
-///   result at the fold is requested; otherwise, thermal runaway is an error.
+/// * `wanted`: function that returns true for the quantities to calculate. The fold, which is the
+///   highest speed with a thermal steady state, is searched for only if one of these quantities
+///   refers to it; otherwise, thermal runaway is an error.
 pub(crate) fn numbers(
     case: &Case,
     settings: &Settings,

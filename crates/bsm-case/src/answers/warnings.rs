@@ -1,5 +1,5 @@
-//! Number of warnings about a solution, for a column of tables. The column `message` contains the
-//! texts of the warnings.
+//! Number of warnings about a solution, as a column of tables. The texts of the warnings are in the
+//! column `message`.
 
 use bsm_dyn::Solution;
 

@@ -24,10 +24,10 @@ use crate::{Case, CaseError, InputKey, InputSet};
 /// Shortest stroke for which a fatigue life is calculated, in turns of the screw.
 pub(crate) const MIN_STROKE_TURNS: f64 = 0.5;
 
-/// Largest permitted ratio of screw bore to core diameter.
+/// Largest permitted ratio of the bore diameter to the core diameter of the screw.
 const MAX_BORE_RATIO: f64 = 0.8;
 
-/// The axis of a case, with its rotating parts and its moving masses.
+/// The axis that a case describes, with its rotating parts and its moving masses.
 #[derive(Debug, Clone)]
 pub(crate) struct AxisModel {
     pub(crate) axis: Axis,
@@ -45,12 +45,13 @@ pub(crate) struct AxisModel {
     pub(crate) nut_mass: Option<f64>,
     /// Moment of inertia of a driven nut \[kg·m²\]; `None` if the screw is driven.
     pub(crate) nut_inertia: Option<f64>,
-    /// Length of the thread \[m\]; `None` if the stroke is unknown.
+    /// Length of the thread \[m\]; `None` if the length cannot be determined because the stroke is
+    /// unknown.
     pub(crate) thread: Option<f64>,
     /// Stroke \[m\], either given or taken from the range of the cycle.
     pub(crate) stroke: Option<f64>,
-    /// Duration \[s\] and travel of the cycle; `None` for a cycle with time shares and for a single
-    /// operating point.
+    /// Duration \[s\] and travel of the cycle; `None` for a single operating point and for a cycle
+    /// that is given by time shares.
     pub(crate) cycle: Option<(f64, CycleTravel)>,
     /// Required life, if it is given.
     pub(crate) required_life: Option<RequiredLife>,
@@ -61,7 +62,7 @@ pub(crate) struct AxisModel {
     pub(crate) rest_load: f64,
     /// Screw between two fixed bearings; `None` for other supports.
     pub(crate) held: Option<FixedEnds>,
-    /// Notes on estimated values of screw and nut.
+    /// Notes on estimated dimensions of the screw and the nut.
     pub(crate) assumed: Vec<String>,
     /// Warning if the manufacturer's ratings do not match the groove.
     pub(crate) warning: Option<String>,
@@ -75,7 +76,7 @@ pub(crate) struct FixedEnds {
     pub(crate) bearing: f64,
     /// Thermal expansion of the screw per kelvin if its ends are free \[m/K\].
     growth: f64,
-    /// Temperature rise at which the thermal expansion just cancels the pretension \[K\].
+    /// Temperature rise \[K\] at which the thermal expansion exactly cancels the pretension.
     pub(crate) stretched: f64,
 }
 
@@ -100,7 +101,8 @@ impl FixedEnds {
         Ok(Some(Self { shaft: *shaft, bearing, growth, stretched }))
     }
 
-    /// Returns the tension of the screw \[N\] when it is warmer than the bed by `rise` \[K\].
+    /// Returns the tension of the screw \[N\] if its temperature exceeds the temperature of the
+    /// machine bed by `rise` \[K\].
     pub(crate) fn tension(&self, rise: f64) -> f64 {
         self.shaft.tension(self.growth, self.bearing, self.stretched, rise)
     }
@@ -165,7 +167,8 @@ fn drive_train(
     })
 }
 
-/// Nut and thread, dimensions of the screw and of the nut body, and a warning about the ratings.
+/// Nut and thread, dimensions of the screw and the nut body, and a warning if the given ratings do
+/// not match the groove.
 type ScrewAndNut = (Option<(Nut, Thread)>, RatedScrew, Option<String>);
 
 /// Returns the nut and thread of a case, the dimensions of its screw and nut body, and a warning if
@@ -344,7 +347,8 @@ impl AxisModel {
         Ok(self.travel(case)?.or_else(by_length))
     }
 
-    /// Returns the nominal diameter of the screw or, if it is unknown, the outer diameter \[m\].
+    /// Returns the nominal diameter of the screw \[m\], or its outer diameter if the nominal
+    /// diameter is unknown.
     pub(crate) fn nominal(&self, case: &Case) -> f64 {
         case.nominal_diameter_mm.map_or(self.axis.screw.outer, |mm| mm * MM)
     }
@@ -354,8 +358,9 @@ impl AxisModel {
         self.nut_inertia.or(self.screw.map(|(_, inertia)| inertia)).is_some()
     }
 
-    /// Returns the life under the cycle, or `None` if the life is unknown. Returns `None` also for
-    /// a stroke of less than half a turn, because the groove then fails by false brinelling.
+    /// Returns the life under the duty cycle, or `None` if the life is unknown. For a stroke of
+    /// less than half a turn, `None` is returned as well, because the groove then fails by false
+    /// brinelling.
     pub(crate) fn life(&self) -> Option<Life> {
         let turns = self.stroke.map(|stroke| stroke / self.axis.screw.lead);
         self.axis.life().filter(|_| turns.is_none_or(|turns| turns >= MIN_STROKE_TURNS))
@@ -367,7 +372,7 @@ impl AxisModel {
     }
 }
 
-/// The input for the axial load, which may have any sign for an axis.
+/// The input for the axial load, which may be positive, negative or zero for an axis.
 pub(crate) const AXIAL_LOAD: InputSet = inputs! { axial_load_N };
 
 /// Returns the loads that act on the axis in addition to the process force.
@@ -435,8 +440,8 @@ pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
     Ok(given.or(range))
 }
 
-/// Data that determine the tolerance of the friction torque due to preload. Grade and length may be
-/// unknown.
+/// Data that determine the tolerance of the friction torque due to preload. The accuracy grade and
+/// the thread length may be unknown.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TorqueTolerance {
     /// Accuracy grade of the screw.
@@ -459,18 +464,18 @@ impl TorqueTolerance {
     }
 }
 
-/// Returns the travel \[m\] for which the accuracy grade limits the travel error.
+/// Returns the travel \[m\] over which the accuracy grade limits the travel error.
 pub(crate) fn useful_travel(case: &Case) -> Option<f64> {
     let given = case.useful_travel_mm.map(|mm| mm * MM);
     given.or_else(|| stroke(case).ok().flatten())
 }
 
-/// Returns the part that the motor turns. The default is the nut if only the nut turns, and the
-/// screw otherwise.
+/// Returns the part that the motor turns, which by default is the nut if only the nut turns, and
+/// the screw otherwise.
 ///
 /// # Errors
-///
-/// Returns [`CaseError`] if both parts turn, or if the turning part is not the given driven part.
+/// Returns [`CaseError`] if both parts turn, or if the part that turns is not the given driven
+/// part.
 pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
     let turns = |speed: Option<f64>| speed.is_some_and(|speed| speed != 0.0);
     let (screw, nut) = (turns(case.screw_speed_rpm), turns(case.nut_speed_rpm));
@@ -615,9 +620,8 @@ pub(crate) fn operating_hours_per_year(case: &Case) -> Option<f64> {
 /// * `fastest`: largest speed of the motor \[rad/s\].
 ///
 /// # Errors
-///
 /// Returns [`CaseError`] if motor torques are given in addition to the curve, if the speeds of the
-/// curve do not increase, or if the motor turns faster than the last point of the curve.
+/// curve do not increase, or if the motor speed exceeds the last speed of the curve.
 fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseError> {
     const NAME: &str = "motor_curve";
     let Some(rows) = &case.entries.motor_curve else { return Ok(None) };
@@ -701,7 +705,8 @@ pub(crate) fn preload(case: &Case) -> Result<(Option<PreloadSize>, Option<f64>),
 }
 
 impl Case {
-    /// Returns the case in which the preload class is replaced by a preload force or an axial play.
+    /// Returns a copy of the case in which the preload class is replaced by a preload force or an
+    /// axial play.
     pub(crate) fn with_preload(&self) -> Result<Self, CaseError> {
         let mut case = self.clone();
         if case.entries.preload_class.take().is_none() {

@@ -18,8 +18,8 @@ pub const STANDARD_CATALOG: &str = include_str!("catalog.json");
 /// Maximum number of combinations of the listed sizes.
 const MAX_COMBINATIONS: usize = 20_000_000;
 
-/// Conformity that is assumed for manufacturers' nuts, because catalogs do not state the
-/// conformity.
+/// Conformity that is assumed for manufacturers' nuts, because manufacturers' catalogs do not state
+/// it.
 const MANUFACTURER_CONFORMITY: f64 = 0.52;
 
 /// Number of nuts that are compared in one pass of the Pareto selection.
@@ -66,8 +66,7 @@ impl Catalog {
     /// Sobolewski (2002).
     ///
     /// # Errors
-    ///
-    /// Never fails in practice, because the lists are compiled into the program.
+    /// Does not fail in practice, because the lists are compiled into the program.
     pub fn standard() -> Result<Self, CaseError> {
         Self::from_json(b"{}")
     }
@@ -76,8 +75,7 @@ impl Catalog {
     /// standard lists.
     ///
     /// # Errors
-    ///
-    /// Never fails in practice, because the sizes are compiled into the program.
+    /// Does not fail in practice, because the sizes are compiled into the program.
     pub fn manufacturers() -> Result<Self, CaseError> {
         Self::of_sizes(offered_sizes())
     }
@@ -116,7 +114,7 @@ impl Catalog {
         Ok(all_sizes)
     }
 
-    /// Reads lists and limits from JSON text. Missing keys keep their standard values.
+    /// Reads lists and limits from JSON text. Missing keys have their standard values.
     ///
     /// # Errors
     ///
@@ -129,8 +127,7 @@ impl Catalog {
     /// Works like [`from_json`](Self::from_json), but takes the members of the JSON object.
     ///
     /// # Errors
-    ///
-    /// Returns the errors of [`from_json`](Self::from_json) except for syntax errors.
+    /// Returns the same errors as [`from_json`](Self::from_json), except for syntax errors.
     pub fn from_entries(
         entries: impl IntoIterator<Item = (String, Value)>,
     ) -> Result<Self, CaseError> {
@@ -143,7 +140,7 @@ impl Catalog {
     }
 
     /// Returns the indices of all combinations that meet the limits, in the order of the lists. An
-    /// index needs only one sixtieth of the memory of a nut, so nuts are created only when they are
+    /// index takes only one sixtieth of the memory of a nut, so each nut is created only when it is
     /// needed.
     pub fn indices(&self) -> Vec<u32> {
         self.lists.indices(&self.limits)

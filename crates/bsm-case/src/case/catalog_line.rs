@@ -15,7 +15,7 @@ use crate::vocabulary::number::{decimal, format_digits, format_trimmed};
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Typical range of catalog efficiencies, and the amount by which the efficiency is lower if the
+/// Typical range of catalog efficiencies, and the amount by which the efficiency decreases if the
 /// load drives the screw.
 pub(crate) const USUAL_EFFICIENCIES: ([f64; 2], f64) = ([0.85, 0.95], 0.1);
 
@@ -37,8 +37,8 @@ const READ: InputSet = {
 };
 
 impl InputSet {
-    /// Returns this set of inputs and, if the set contains diameter, lead and dynamic load rating,
-    /// the inputs of the groove that the program estimates from them.
+    /// Returns this set of inputs. If the set contains nominal diameter, lead and dynamic load
+    /// rating, the groove inputs that the program estimates from them are added.
     #[must_use]
     pub fn with_groove(self) -> Self {
         let has_lead = self.intersects(inputs! { lead_mm lead_angle_deg });
@@ -153,7 +153,7 @@ impl Case {
         }))
     }
 
-    /// Returns the case in which missing inputs are taken from an estimated groove.
+    /// Returns a copy of the case in which missing inputs are taken from an estimated groove.
     fn with(&self, groove: &EstimatedGroove) -> Self {
         let mut case = self.clone();
         let lead = self.lead().map_or(f64::NAN, |mm| mm * MM);
@@ -183,8 +183,8 @@ impl Case {
         case
     }
 
-    /// Returns the case with one of the possible grooves, which represent the uncertainty of the
-    /// estimate. If friction is not given, a possible catalog efficiency is added.
+    /// Returns a copy of the case with one of the possible grooves, which represent the uncertainty
+    /// of the estimate. If friction is not given, a possible catalog efficiency is added.
     ///
     /// * `draw`: index of the possible groove.
     pub(crate) fn possible(&self, draw: usize, groove: &EstimatedGroove) -> Self {

@@ -13,9 +13,9 @@ use crate::{Case, CaseError, InputKey, InputSet, PhaseEntry};
 /// errors of the inputs.
 const SHARE_ROUNDING: f64 = 0.01;
 
-/// Largest ratio of the slower to the faster speed at the ends of a ramp for which the slower end
-/// is treated as standstill. Times and accelerations are usually given with only two or three
-/// digits.
+/// Largest speed ratio of the slower end to the faster end of a ramp for which the slower end is
+/// treated as standstill. A tolerance is needed because times and accelerations are usually given
+/// with only two or three digits.
 const STANDSTILL: f64 = 0.01;
 
 /// The duty cycle of an axis, or its single operating point.
@@ -167,8 +167,8 @@ impl Cycle {
 }
 
 impl Case {
-    /// Returns a warning about a given load or speed that has no effect on an axis, because its cycle
-    /// states the loads and speeds of all phases.
+    /// Returns a warning about a given load or speed that has no effect on the axis, because the
+    /// loads and speeds of all phases are given in its cycle.
     pub(crate) fn unused_with_cycle(&self) -> Option<String> {
         self.entries.cycle.as_ref()?;
         let unused = self.given().iter().filter(|key| InputSet::LOAD_AND_SPEED.contains(*key));
@@ -183,7 +183,7 @@ impl Case {
 }
 
 /// Returns the process force at standstill: `hold_force_N` or, if it is not given, the process
-/// force of all entries, provided that this force is constant.
+/// force of the cycle entries, provided that all entries have the same process force.
 fn rest_force(case: &Case, entries: &[PhaseEntry], notes: &mut Vec<String>) -> f64 {
     if let Some(force) = case.hold_force_N {
         return force;
@@ -282,8 +282,8 @@ impl SegmentBuilder {
         Ok(parts.map(|(time, speeds)| self.segment(time, speeds)).collect())
     }
 
-    /// Returns the speeds at the start and the end of a phase with acceleration. The speed that the
-    /// entry states is the end speed if the axis accelerates, and the start speed otherwise.
+    /// Returns the speeds at the start and the end of a phase with acceleration. The speed in the
+    /// cycle entry is the end speed if the axis accelerates, and the start speed if it decelerates.
     ///
     /// * `change`: change of the feed rate over the phase \[m/s\].
     fn ramp(

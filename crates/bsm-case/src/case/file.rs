@@ -31,9 +31,8 @@ impl Case {
     }
 
     /// Reads a case from JSON text.
-    ///
     /// A value of `null` is treated as missing. The ranges of the values are not checked here (see
-    /// [`check`](Self::check)), so that settings can still complete or correct the case.
+    /// [`check`](Self::check)), because later settings can still complete or correct the case.
     ///
     /// # Errors
     ///
@@ -124,9 +123,8 @@ impl Case {
     /// Applies several settings `name=value` at once (see [`override_with`](Self::override_with)).
     ///
     /// # Errors
-    ///
-    /// Returns [`CaseError`] if a setting has another form, an unknown name or an invalid number,
-    /// or if an input is set twice.
+    /// Returns [`CaseError`] if a setting does not have this form, contains an unknown name or an
+    /// invalid number, or sets an input that is already set.
     pub fn apply<S: AsRef<str>>(&mut self, settings: &[S]) -> Result<(), CaseError> {
         let (mut given, mut names) = (Self::default(), GivenNames::default());
         for setting in settings {
@@ -167,7 +165,7 @@ impl Case {
         self.check_but(InputSet::default())
     }
 
-    /// Checks all rules that do not depend on the inputs in `open`.
+    /// Checks all rules except for the rules that depend on the inputs in `open`.
     pub(crate) fn check_but(&self, open: InputSet) -> Result<(), CaseError> {
         let given = self.given().without(open);
         for key in given.iter() {
@@ -249,9 +247,9 @@ impl Case {
     /// Returns a warning if the mass or the moment of inertia per length of the screw exceeds the
     /// value of a solid steel rod with the outer diameter of the screw.
     fn too_heavy(&self) -> Option<String> {
-        /// Permitted ratio of the given value to the value of a rod with the nominal diameter.
-        /// Outer diameters exceed nominal diameters by up to 2 %, and the moment of inertia
-        /// increases with the fourth power of the diameter.
+        /// Permitted ratio of the given mass or moment of inertia to the value for a rod with the
+        /// nominal diameter. Outer diameters exceed nominal diameters by up to 2 %, and the moment
+        /// of inertia increases with the fourth power of the diameter.
         const SLACK: f64 = 1.08;
         let outer_mm = self.screw_outer_diameter_mm.or(self.nominal_diameter_mm)?;
         let mass = rod_mass_per_length(outer_mm * MM);
@@ -271,8 +269,8 @@ impl Case {
     }
 }
 
-/// Returns the key to which a value is assigned. If the value of the preload is the word `auto`,
-/// this is the key of the preload class instead of the preload force.
+/// Returns the key to which a value is assigned. If the preload is set to the word `auto`, this is
+/// the key of the preload class instead of the key of the preload force.
 fn key_of<'a>(key: &'a str, word: Option<&str>) -> &'a str {
     let is_least = word == Some("auto") && key == InputKey::preload_N.name();
     if is_least { "preload_class" } else { key }
@@ -313,7 +311,7 @@ impl InputSet {
     }
 }
 
-/// Inputs of the nut whose values follow from the warm steady state.
+/// Inputs of the nut that are calculated from the warm steady state.
 const WARM: [InputKey; 4] = {
     let [nut, screw, balls] = RISES;
     [nut, screw, balls, InputKey::screw_tension_N]
@@ -381,8 +379,8 @@ impl Case {
         self.entries.warm_state == Some(true)
     }
 
-    /// Returns the case in the state in which the preload is set: without temperature rises, screw
-    /// tension and warm state.
+    /// Returns a copy of the case in the state in which the preload is set: without temperature
+    /// rises, screw tension and warm state.
     pub(crate) fn cold(&self) -> Self {
         let mut cold = self.clone();
         cold.entries.warm_state = None;
@@ -392,7 +390,7 @@ impl Case {
         cold
     }
 
-    /// Returns the case without the inputs that determine friction.
+    /// Returns a copy of the case without the inputs that determine friction.
     pub(crate) fn without_friction(mut self) -> Self {
         self.friction_coefficient = None;
         for key in LUBRICANT_INPUTS.iter() {

@@ -62,8 +62,8 @@ impl GridAxis {
     /// ratios instead of equal differences, or `name=v1,v2,...`.
     ///
     /// # Errors
-    ///
-    /// Returns [`CaseError`] if the text has another form, and the errors of [`new`](Self::new).
+    /// Returns [`CaseError`] if the text has another form. Also returns the errors of
+    /// [`new`](Self::new).
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "name=start:stop:count, name=start:stop:count:log or name=v1,v2,... with finite numbers and a \
                     count of at least 2; both ends of a log range must be > 0";
@@ -93,13 +93,12 @@ impl GridAxis {
     /// Creates an axis that varies an input.
     ///
     /// * `name`: name of the input, which may end with a unit other than the default unit.
-    /// * `values`: values in the unit with which `name` ends.
+    /// * `values`: values of the input, in the unit with which `name` ends.
     ///
     /// # Errors
-    ///
     /// Returns [`CaseError`] for an unknown input, a value that is not finite or violates the rule
-    /// of the input, fewer than 2 values in a range or 1 value in a list, and a range with equal
-    /// ratios whose ends are not both positive.
+    /// of the input, a range of fewer than 2 values, an empty list, and a range with equal ratios
+    /// whose ends are not both positive.
     pub fn new(name: &str, values: AxisValues) -> Result<Self, CaseError> {
         let (key, change) = InputKey::in_unit(name)?;
         let values = values.in_unit(change);
@@ -192,8 +191,7 @@ impl Grid {
     /// Parses the axes of a grid (see [`GridAxis::parse`]).
     ///
     /// # Errors
-    ///
-    /// Returns the errors of [`GridAxis::parse`] and [`new`](Self::new).
+    /// Returns the same errors as [`GridAxis::parse`] and [`new`](Self::new).
     pub fn parse<T: AsRef<str>>(axes: &[T]) -> Result<Self, CaseError> {
         let axes = axes.iter().map(|axis| GridAxis::parse(axis.as_ref()));
         Self::new(axes.collect::<Result<_, _>>()?)
@@ -271,18 +269,16 @@ impl Grid {
     /// Checks all inputs and rules of `base` that do not depend on the varied inputs.
     ///
     /// # Errors
-    ///
-    /// Returns the errors of [`Case::check`].
+    /// Returns the same errors as [`Case::check`].
     pub fn check(&self, base: &Case) -> Result<(), CaseError> {
         base.check_but(self.varied().replaced())
     }
 
-    /// Chooses one model for all points. If the model is fixed, the first or the last point must be
-    /// within its range (see [`ModelChoice::resolve`]).
+    /// Chooses one model for all points. If the user has specified a model, the first or the last
+    /// point must be within the valid range of this model (see [`ModelChoice::resolve`]).
     ///
     /// # Errors
-    ///
-    /// Returns the errors of [`check`](Self::check) and [`ModelChoice::resolve`].
+    /// Returns the same errors as [`check`](Self::check) and [`ModelChoice::resolve`].
     pub fn choose(&self, base: &Case, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
         self.check(base)?;
         let ends = [0, self.len - 1].map(|i| self.case(base, &self.point(i)));

@@ -100,7 +100,7 @@ pub(crate) fn offered_sizes() -> &'static [OfferedSize] {
 /// Returns the name of the input in a column and the conversion to its unit, or `None` if the
 /// column is ignored.
 ///
-/// * `words`: known column names that are not names of inputs.
+/// * `words`: known column names that are not input names.
 pub(crate) fn manufacturer_column(
     name: &str,
     format: &TableFormat,

@@ -1,4 +1,4 @@
-//! Choice of the model for a case, and the inputs that each model requires.
+//! Choice of the model that solves a case, and the inputs that each model requires.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -64,21 +64,21 @@ impl ModelChoice {
     }
 }
 
-/// Choice of the model, and settings of its solver.
+/// Choice of the model, and settings of the solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Model that solves the case.
     pub model: ModelChoice,
-    /// Largest efficiency error that `auto` may accept (see [`Self::TOLERANCE`]).
+    /// Largest error of the efficiency that `auto` may accept (see [`Self::TOLERANCE`]).
     pub tolerance: f64,
-    /// Accuracy of the quadrature over the contact ellipses in model `traction`, as the error of
-    /// the friction relative to the friction (see [`Self::ACCURACY`]).
+    /// Relative accuracy of the friction in the `traction` model, which is determined by the
+    /// quadrature over the contact ellipses (see [`Self::ACCURACY`]).
     pub accuracy: f64,
-    /// Creep speed that smooths the friction law in model `traction`, relative to `$r_b|W|$` (see
-    /// [`Self::CREEP`]).
+    /// Creep speed that smooths the friction law in the `traction` model, divided by `$r_b|W|$`
+    /// (see [`Self::CREEP`]).
     pub creep: f64,
-    /// Controlling raceway in model `raceway-control`. If it is `None`, the spin moments decide
-    /// which raceway controls.
+    /// Controlling raceway in the `raceway-control` model. If it is `None`, the spin moments
+    /// determine the controlling raceway.
     pub control: Option<Control>,
     /// Location at which model `raceway-control` calculates lubricated friction.
     pub friction: RacewayFriction,
@@ -109,14 +109,14 @@ impl From<Model> for Settings {
 pub(crate) struct SettingsJson {
     /// Name of the model.
     name: &'static str,
-    /// Largest error of the efficiency that model `auto` accepts.
+    /// Largest error of the efficiency that `auto` accepts.
     tolerance: f64,
-    /// Accuracy of the friction of model `traction`.
+    /// Relative accuracy of the friction in the `traction` model.
     accuracy: f64,
-    /// Creep speed that smooths the friction law of model `traction`, divided by the speed of the
-    /// ball.
+    /// Creep speed that smooths the friction law in the `traction` model, divided by the speed of
+    /// the ball.
     creep: f64,
-    /// Controlling raceway of model `raceway-control`.
+    /// Controlling raceway in the `raceway-control` model.
     control: Option<&'static str>,
     /// Location at which model `raceway-control` calculates lubricated friction.
     friction: &'static str,
@@ -127,14 +127,14 @@ impl Settings {
     const KEYS: [&str; 6] = ["name", "tolerance", "accuracy", "creep", "control", "friction"];
     /// Permitted range of [`tolerance`](Self::tolerance).
     pub const TOLERANCE: Rule = Rule::Above(0.0);
-    /// Permitted range of [`accuracy`](Self::accuracy): from the rounding error to the coarsest
-    /// accuracy for which the error bound is valid.
+    /// Permitted range of [`accuracy`](Self::accuracy). The lower limit is the rounding error, and
+    /// the upper limit is the coarsest accuracy for which the error bound is valid.
     pub const ACCURACY: Rule = Rule::Within(1e-13, 1e-4);
     /// Permitted range of [`creep`](Self::creep).
     pub const CREEP: Rule = Rule::Above(0.0);
 
-    /// Returns settings with the given names of the model, the controlling raceway and the location
-    /// of friction. All other settings have their default values.
+    /// Returns settings with the given model, controlling raceway and friction location, which are
+    /// specified by name. All other settings have their default values.
     ///
     /// # Errors
     ///
@@ -321,9 +321,9 @@ impl Needs {
         given.contains_all(self.all) && self.quantities.iter().all(|q| q.forms.iter().any(complete))
     }
 
-    /// Returns the missing inputs as text. If fewer inputs are missing for a catalog line than for
-    /// the groove itself, the inputs of the catalog line are returned, because the groove can be
-    /// estimated from a catalog line. The inputs of the groove are then named as an alternative.
+    /// Returns the missing inputs as text. The groove can be estimated from a catalog line. If this
+    /// requires fewer additional inputs than the groove itself, the missing inputs of the catalog
+    /// line are returned, and the inputs of the groove are named as an alternative.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let given = given.completed();
         let of_groove = lacking(self.all, self.quantities.iter(), given);
@@ -390,7 +390,7 @@ const GROOVE: InputSet = inputs! {
 /// Inputs of a catalog line, in addition to the lead.
 const CATALOG_LINE: InputSet = inputs! { nominal_diameter_mm rated_dynamic_load_N };
 
-/// Inputs that press the balls against the grooves.
+/// Inputs that determine the force with which the balls are pressed against the grooves.
 const PRESSED: InputSet = inputs! { axial_load_N preload_N preload_offset_um ball_oversize_um };
 
 /// Inputs that describe the play of gothic arches. If one of them is given, friction can press a
@@ -405,18 +405,16 @@ pub(crate) fn has_lubricant(model: Model) -> bool {
 impl ModelChoice {
     /// Chooses the model for points with the inputs `given`. If the model is fixed, it is returned
     /// unchanged.
-    ///
     /// With a lubricant or with play, `auto` becomes `traction`. Otherwise, `auto` remains
-    /// unchanged if the inputs of `raceway-control` are given, which are required to estimate the
-    /// error of a model. If these inputs are missing, `auto` becomes the most complete model for
-    /// which inputs are given.
+    /// unchanged if the inputs of `raceway-control` are given, because the error of a model can
+    /// then be estimated. If some of these inputs are missing, `auto` becomes the most complete
+    /// model for which all inputs are given.
     ///
-    /// * `covers`: function that checks that the values of the inputs are within the range of a
-    ///   model.
+    /// * `covers`: function that checks whether the values of the inputs are within the valid range
+    ///   of a model.
     ///
     /// # Errors
-    ///
-    /// Returns [`CaseError::Entry`] if an input of the model with the fewest inputs is missing.
+    /// Returns [`CaseError::Entry`] if the model with the fewest required inputs lacks an input.
     /// Returns [`CaseError::Invalid`] if friction is given twice or in a form that the model does
     /// not support. For a fixed model, returns the error of `covers`.
     pub fn resolve(
@@ -487,7 +485,7 @@ impl Case {
         Needs::for_points(model, self.stated()).missing(self.stated())
     }
 
-    /// Returns a clause that names the missing inputs of a model and ends a message. The clause is
+    /// Returns a clause that ends a message and names the missing inputs of a model. The clause is
     /// empty if no input is missing.
     pub(crate) fn lacks(&self, model: Model) -> String {
         let missing = self.missing(model);
@@ -561,8 +559,8 @@ impl Case {
         self.choose(settings.model)
     }
 
-    /// Rejects a radial gap for which no contact angle exists. The check applies only to models
-    /// whose balls touch the grooves.
+    /// Rejects a radial gap for which no contact angle exists. The gap is checked only for models
+    /// in which the balls touch the grooves.
     fn check_radial_gap(&self, model: ModelChoice) -> Result<(), CaseError> {
         let has_grooves = !matches!(model, ModelChoice::Fixed(model) if !has_grooves(model));
         let Some(um) = self.radial_gap_um.filter(|_| has_grooves) else { return Ok(()) };

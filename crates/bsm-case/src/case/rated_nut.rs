@@ -18,7 +18,7 @@ pub(crate) const NEEDS: Needs = Needs {
     quantities: &[LEAD, CONTACT_ANGLE],
 };
 
-/// Returns the inputs of a case, including the inputs that its circuits determine.
+/// Returns the inputs of a case, including the inputs that follow from its circuits.
 pub(crate) fn given(case: &Case) -> InputSet {
     let (balls_per_turn, turns) = balls_and_turns(case);
     let stated =

@@ -17,13 +17,13 @@ use crate::{Case, CaseError, InputKey, InputSet};
 /// ratings.
 const RATINGS: InputSet = inputs! { rated_dynamic_load_N rated_static_load_N };
 
-/// Results that are omitted from the axis sheet if only catalog data of the screw are given.
+/// Results that are omitted from the axis sheet if only catalog data are given for the screw.
 pub(crate) const LEFT_OUT: &str = "These results need the groove and are omitted: pressure; load of each ball, and life from the loads of all \
     balls; edge load of the contact ellipse; stiffness of the nut, unless rated_rigidity_N_um is given; friction \
     from a ball model, and lubricant film; ball return, and jamming.";
 
 impl InputSet {
-    /// Describes the purpose for which inputs are missing, and names the command for which the
+    /// Describes the results for which inputs are missing, and names the command for which the
     /// given inputs are sufficient.
     pub(crate) fn purpose(self, purpose: &str) -> String {
         let known = if self.has_ratings_only() {
@@ -66,7 +66,7 @@ impl RatedScrew {
     /// Returns the screw of a checked case, calculated from catalog data without a groove. All
     /// inputs are optional.
     ///
-    /// * `estimated_turns`: loaded turns of an estimated groove.
+    /// * `estimated_turns`: number of loaded turns of an estimated groove.
     pub(crate) fn of(case: &Case, estimated_turns: Option<f64>) -> Result<Self, CaseError> {
         if case.rated_rigidity_N_um.is_some() && case.entries.rated_rigidity_at.is_none() {
             let what = "needs rated_rigidity_at (0.3 Ca, 0.28 Ca or preload 0.1 Ca), the load for which the catalog states the rigidity".to_owned();

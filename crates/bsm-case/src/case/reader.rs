@@ -29,9 +29,9 @@ impl Case {
         self.entries.base_oil.map_or(BaseOil::Mineral, |Named(oil)| oil)
     }
 
-    /// Returns the lubricant that all rows of a table share, except for its temperature. Returns
-    /// `None` if a column changes another property of the lubricant, or if the temperature depends
-    /// on the losses. Missing inputs take their default values.
+    /// Returns a lubricant that can be used for all rows of a table, with only the temperature set
+    /// for each row. Returns `None` if a column changes another property of the lubricant, or if
+    /// the temperature depends on the losses. Missing inputs take their default values.
     pub fn lubricant_but_for_temperature(&self, columns: InputSet) -> Option<Lubricant> {
         if columns.iter().any(|key| InputSet::CONSTANT_LUBRICANT_INPUTS.contains(key)) {
             return None;
@@ -162,7 +162,8 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         (raceways, balls)
     }
 
-    /// Returns the fit of a ball in its gothic arches, or `None` if no play is given.
+    /// Returns the axial play, radial gap and oversize of a ball in its gothic-arch grooves, or
+    /// `None` if no play is given.
     pub(crate) fn arch_fit(&self) -> Option<ArchFit<D>> {
         let [play, gap] = [InputKey::axial_play_um, InputKey::radial_gap_um]
             .map(|key| self.given(key).map(|um| um * UM));
@@ -266,11 +267,11 @@ pub(crate) fn has_grooves(model: Model) -> bool {
     matches!(model, Model::RacewayControl | Model::Elastic | Model::Traction)
 }
 
-/// Fit and friction of gothic arches. Only model `traction` calculates contacts with their far
-/// flanks.
+/// Ball clearance and friction in gothic-arch grooves. Only the `traction` model accounts for
+/// contact with the far flanks.
 #[derive(Default)]
 pub(crate) struct GothicArches<D> {
-    /// Fit of the ball in its grooves; `None` if the balls have two contacts.
+    /// Clearance of the ball in its gothic-arch grooves; `None` if the balls have two contacts.
     fit: Option<ArchFit<D>>,
     /// Friction coefficient at the far flanks; `None` if it is the same as at the loaded flanks.
     far_friction: Option<D>,

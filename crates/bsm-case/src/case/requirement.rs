@@ -40,7 +40,7 @@ keys! {
 }
 
 /// Friction coefficient that is assumed if a requirement contains none, and its typical range.
-/// Greases and oils have about 0.03 to 0.12.
+/// Greases and oils have friction coefficients of about 0.03 to 0.12.
 const USUAL_FRICTION: (f64, [f64; 2]) = (0.06, [0.03, 0.12]);
 
 /// Range of contact angles that are easy to manufacture \[deg\].
@@ -70,7 +70,7 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     ),
 ];
 
-/// Axis inputs that are not permitted in a requirement, because they are catalog data that the
+/// Axis inputs that are not permitted in a requirement, because they are catalog data, which the
 /// search itself calculates.
 const NOT_OF_AXES: InputSet = inputs! {
     nominal_diameter_mm rated_dynamic_load_N rated_static_load_N screw_mass_kg_m nut_mass_kg
@@ -98,8 +98,8 @@ fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
     InputKey::ALL.into_iter().filter(move |key| of_axis(key) || SHEET_INPUTS.contains(*key))
 }
 
-/// Inputs of the single-ball models that a requirement must not contain. In a design, the number of
-/// balls follows from the turns, and the nut does not turn.
+/// Inputs of the single-ball models that a requirement must not contain, because the number of
+/// balls in a design follows from the number of turns, and the nut of a design does not turn.
 const SINGLE_BALL_INPUTS: InputSet = inputs! { loaded_balls nut_speed_rpm };
 
 /// Text and list inputs that a requirement may contain.
@@ -133,15 +133,15 @@ pub struct RequirementFile {
     /// Model and solver settings for friction.
     pub(crate) settings: Settings,
     pub(crate) problem: Requirement,
-    /// If true, warnings do not limit the selection, except for warnings that can never be
+    /// If true, warnings do not limit the selection. Exceptions are warnings that can never be
     /// permitted.
     pub(crate) allow_warnings: bool,
-    /// Notes on the assumptions that complete the requirement.
+    /// Notes on the assumptions that replace missing data of the requirement.
     pub(crate) notes: Vec<String>,
 }
 
 impl RequirementFile {
-    /// Returns the notes on the assumptions that complete the requirement.
+    /// Returns the notes on the assumptions that replace missing data of the requirement.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -191,13 +191,13 @@ impl RequirementFile {
     }
 }
 
-/// Keys of a requirement whose values have been checked one by one.
+/// Keys of a requirement, after each value has been checked separately.
 #[derive(Default)]
 struct RequirementKeys {
     case: Case,
     /// Numbers and strings of keys that occur only in requirements.
     own: Map<String, Value>,
-    /// Names of the quantities that have been given so far.
+    /// Names of the quantities that the requirement has specified so far.
     given: GivenNames,
 }
 
@@ -283,8 +283,8 @@ impl RequirementKeys {
         Ok(LoadCase::Torque(torque, speed))
     }
 
-    /// Returns the smallest and the largest permitted value of a quantity. Each of the two limits
-    /// has its own key in a requirement.
+    /// Returns the smallest and the largest permitted value of a quantity. Each limit has its own
+    /// key in a requirement.
     ///
     /// * `usual`: default range, which applies if no limits are given.
     fn range(

@@ -40,8 +40,8 @@ pub(crate) fn bed_over_set(case: &Case) -> f64 {
     given.map_or(air_over_set(case), |celsius| celsius + ZERO_CELSIUS - set_temperature(case))
 }
 
-/// Returns typical torques of the seals and of all support bearings \[N·m\], with 0 for a torque
-/// that the case contains.
+/// Returns typical torques of the seals and of all support bearings \[N·m\]. The value is 0 for a
+/// torque that is given in the case.
 ///
 /// * `nominal`: nominal diameter of the screw \[m\].
 pub(crate) fn missing_torques(case: &Case, nominal: f64) -> (f64, f64) {

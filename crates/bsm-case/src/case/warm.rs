@@ -20,25 +20,27 @@ use crate::{Case, CaseError, InputKey, InputSet, ModelChoice, Settings};
 pub(crate) use axis::ColdNut;
 use axis::WarmAxis;
 
-/// Warm steady state that a case requests, and the fold at which the branch of steady states ends.
+/// Warm steady state that a case requests, and the fold, which is the highest speed on the branch
+/// of steady states.
 #[derive(Debug)]
 pub(crate) struct Warm {
     /// Steady state; `None` in case of thermal runaway.
     pub(crate) state: Option<WarmState>,
     pub(crate) fold: Option<Fold>,
-    /// Reason why the branch of states ends before a fold, if it does.
+    /// Reason why the branch of states ends before it reaches a fold; `None` if it does not end
+    /// early.
     pub(crate) end: Option<NoSteadyState>,
-    /// Multiple of the given speeds up to which a fold was searched for; `None` if there was no
-    /// search.
+    /// Upper limit of the search for the fold, as a multiple of the given speeds; `None` if there
+    /// was no search.
     pub(crate) search: Option<f64>,
     /// Model and settings with which the friction was calculated.
     pub(crate) settings: Settings,
-    /// Reason why the first choice of `auto` has no warm state and was replaced by another model;
-    /// `None` if the requested settings were used.
+    /// Reason why no warm state exists with the model that `auto` chose first, so that another
+    /// model was used; `None` if the requested settings were used.
     pub(crate) replaced: Option<Box<NoSteadyState>>,
 }
 
-/// Selection of optional results, whose calculation takes additional time.
+/// Selection of optional results that take additional time to calculate.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Detail {
     pub(crate) fold: bool,
@@ -58,14 +60,14 @@ pub(crate) struct WarmState {
     pub(crate) steady: SteadyState,
     /// Temperatures of the network nodes \[°C\].
     pub(crate) celsius: [f64; NODES],
-    /// Thermal expansion that the screw would have with free ends \[m\].
+    /// Thermal expansion that the screw would have if its ends were free \[m\].
     pub(crate) growth: f64,
     /// Preload without external load; `None` without a preload.
     pub(crate) preload: Option<NutPreload>,
-    /// Stiffness of the preloaded nut without external load, cold and warm \[N/m\]; `None` without
-    /// a preload.
+    /// Stiffness of the preloaded nut without external load, in the cold and in the warm state
+    /// \[N/m\]; `None` without a preload.
     pub(crate) stiffness: Option<[f64; 2]>,
-    /// Life under the cycle with the cold preload \[revolutions\].
+    /// Life under the duty cycle with the cold preload \[revolutions\].
     pub(crate) cold_life: Option<f64>,
     /// Results for the nut in each phase of the cycle.
     pub(crate) phases: Vec<Option<NutInPhase>>,
@@ -84,23 +86,22 @@ pub(crate) struct WarmState {
 pub(crate) struct NutInPhase {
     /// Axial force on each nut body \[N\].
     pub(crate) bodies: Vec<f64>,
-    /// Largest load of a contact \[N\].
+    /// Largest load of any contact \[N\].
     pub(crate) max_load: f64,
     /// Stiffness of the nut \[N/m\].
     pub(crate) stiffness: f64,
-    /// Preload that remains under the load \[N\]; `None` without a preload.
+    /// Preload that remains under load \[N\]; `None` without a preload.
     pub(crate) preload_left: Option<f64>,
 }
 
 impl Warm {
     /// Calculates the warm state, if the case requests it.
-    ///
-    /// For a lubricated nut, `auto` chooses model traction. Under very light loads, the balls skid,
-    /// and model traction may have no solution. The warm state is then calculated with raceway
+    /// For a lubricated nut, `auto` chooses the `traction` model. Under very light loads, the balls
+    /// skid, and this model may have no solution. The warm state is then calculated with raceway
     /// control, whose friction is limited by gross sliding (U33).
     ///
-    /// * `band_values`: function that returns those results of a state for which an uncertainty band is
-    ///   calculated.
+    /// * `band_values`: function that returns the results of a steady state for which an
+    ///   uncertainty band is calculated.
     pub(crate) fn of(
         case: &Case,
         settings: &Settings,
@@ -180,7 +181,7 @@ impl Warm {
     }
 
     /// Returns the temperature at which the preload is set \[K\], the cold preload \[N\], and the
-    /// steady states from standstill up to the largest speed of the fold search.
+    /// steady states from standstill up to the highest speed at which the fold is searched for.
     pub(crate) fn branch(
         case: &Case,
         settings: &Settings,
@@ -199,7 +200,7 @@ impl Warm {
 
     /// Calculates the warm state without its uncertainty band, if the case requests a warm state.
     ///
-    /// * `fold`: if true, also searches for the fold at higher speeds.
+    /// * `fold`: if true, the fold is also searched for at speeds above the given speeds.
     ///
     /// # Errors
     ///
@@ -220,8 +221,8 @@ impl Warm {
         }
     }
 
-    /// Returns the case with the temperature rises, the screw tension and the lubricant temperature
-    /// of this state.
+    /// Returns a copy of the case with the temperature rises, the screw tension and the lubricant
+    /// temperature of this warm state.
     pub(crate) fn case(&self, case: &Case) -> Case {
         let mut case = case.cold();
         if let Some(state) = &self.state {
@@ -237,15 +238,14 @@ impl Warm {
     }
 }
 
-/// Returns true if the reason for a missing warm state is that the friction of the balls is unknown
-/// or jumps.
+/// Returns true if no warm state was found because the friction of the balls is unknown or jumps.
 fn is_without_friction(why: &NoSteadyState) -> bool {
     matches!(why, NoSteadyState::NoFriction | NoSteadyState::Jump { .. } | NoSteadyState::NotFound)
 }
 
 impl Case {
-    /// Returns the case with the temperature rises, the screw tension and the lubricant temperature
-    /// of its warm steady state. If the case does not request a warm state, it is returned
+    /// Returns a copy of the case with the temperature rises, the screw tension and the lubricant
+    /// temperature of its warm steady state. If the case does not request a warm state, the copy is
     /// unchanged.
     ///
     /// # Errors

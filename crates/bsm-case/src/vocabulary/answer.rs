@@ -17,11 +17,12 @@ pub struct Answer {
     pub sections: Vec<Section>,
     /// Rules that the results must meet.
     pub rules: Vec<Criterion>,
-    /// Notes on defaults that were used and on effects that are neglected.
+    /// Notes on default values that were used and on effects that were neglected.
     pub notes: Vec<String>,
     /// Warnings about the results.
     pub warnings: Vec<String>,
-    /// Missing inputs that were treated as zero, each with a result that the input affects.
+    /// Missing inputs that were treated as zero, each with the name of a result that the input
+    /// affects.
     pub not_given: Vec<MissingInput>,
     /// True if there is no solution, if nothing was found, or if a rule is violated.
     pub fails: bool,
@@ -54,14 +55,15 @@ pub enum Content {
     Numbers {
         /// Quantities of the section with their values.
         numbers: Numbers,
-        /// Heading of the quantities that do not refer to a single contact or direction.
+        /// Heading of the quantities that apply neither to a single contact nor to a single
+        /// direction.
         whole: &'static str,
         /// Names of the quantities to which no error bound applies.
         unbounded: Vec<&'static str>,
     },
     /// A table with rows of numbers and strings.
     Table(Table),
-    /// A label, followed by an optional short text.
+    /// A label, followed by a short text that may be missing.
     Text(&'static str, Option<String>),
     /// A label, followed by sentences.
     Texts(&'static str, Vec<String>),
@@ -116,15 +118,15 @@ pub struct Criterion {
     pub at_least: bool,
     /// Source of the rule, with the equation tag of the theory.
     pub source: Cow<'static, str>,
-    /// For a violated rule, the smallest change of one input with which the rule would be met. For
-    /// an undecided rule, also the inputs that would decide the rule.
+    /// For a violated rule, the smallest change of one input that would satisfy the rule. For an
+    /// undecided rule, the inputs that would decide the rule are added.
     pub remedy: Option<String>,
     /// 90 % interval of the value, if the value depends on an estimated groove.
     pub band: Option<Band>,
     /// 90 % interval of the margin, if the margin depends on an estimated groove.
     pub margins: Option<Band>,
-    /// Margin of the rule if a default that the user has not confirmed does not apply. An example
-    /// of such a default is the assumption that the load is guided.
+    /// Margin of the rule if a default assumption that the user has not confirmed turns out to be
+    /// wrong. An example of such a default is the assumption that the load is guided.
     pub margin_without_default: Option<f64>,
 }
 
@@ -133,8 +135,8 @@ pub struct Criterion {
 pub enum Verdict {
     /// The rule is violated.
     Fails,
-    /// The groove is estimated, and the limit lies within the 90 % interval of the value; or the
-    /// rule is met only with a default that may not apply.
+    /// The rule is undecided: either the groove is estimated and the limit lies within the 90 %
+    /// interval of the value, or the rule is met only under a default assumption that may be wrong.
     Undecided,
     /// The rule is met, or the rule has no limit.
     Passes,
@@ -256,7 +258,7 @@ row! {
         passes: Option<bool>;
         /// Source of the rule.
         source: Cow<'static, str>;
-        /// Change of an input with which the rule would be met.
+        /// Change of an input that would satisfy the rule.
         remedy: Option<String>;
     }
 }
@@ -264,7 +266,7 @@ row! {
 row! {
     /// A missing input that was treated as zero.
     pub(crate) struct NotGivenRow {
-        /// Name of the affected number.
+        /// Name of the number that the missing input affects.
         number: &'static str;
         /// Sentence that names the missing input.
         text: String;
@@ -302,7 +304,7 @@ pub(crate) fn numbers_json(numbers: &Numbers) -> Map<String, Value> {
 }
 
 impl Content {
-    /// Creates the content of a section from quantities with values.
+    /// Creates the content of a section from quantities and their values.
     pub fn numbers(numbers: Numbers, whole: &'static str) -> Self {
         Self::Numbers { numbers, whole, unbounded: Vec::new() }
     }
@@ -389,7 +391,7 @@ impl Answer {
         self.numbers().flat_map(Numbers::entries)
     }
 
-    /// Returns the descriptions of the missing inputs that affect a result, joined to one line.
+    /// Returns the descriptions of the missing inputs that affect a result, joined into one line.
     pub fn lacks(&self, number: &str) -> Option<String> {
         let lacks = self.not_given.iter().filter(|lack| lack.number == number);
         let texts: Vec<_> = lacks.map(|lack| lack.text.as_str()).collect();
@@ -407,7 +409,7 @@ impl Answer {
         texts
     }
 
-    /// Returns the verdict on all rules together, which is the worst verdict on any of them.
+    /// Returns the overall verdict, which is the worst verdict on any of the rules.
     pub fn verdict(&self) -> Verdict {
         let of_rules = self.rules.iter().map(Criterion::verdict).min();
         let verdict = if self.fails { Verdict::Fails } else { Verdict::Passes };

@@ -59,9 +59,8 @@ impl Cells {
     /// * `column`: function that returns the quantity in the column with a given name.
     ///
     /// # Errors
-    ///
-    /// Returns the errors of `column`, and [`CaseError::Entry`] if two columns contain the same
-    /// quantity.
+    /// Returns the same errors as `column`, and [`CaseError::Entry`] if two columns contain the
+    /// same quantity.
     pub(crate) fn columns(
         &self,
         column: impl Fn(&str) -> Result<Option<NamedColumn>, CaseError>,
@@ -80,8 +79,8 @@ impl Cells {
     /// Returns the columns whose name satisfies `wanted`. Each column is returned with all its cells.
     /// Numbers are written with a decimal point.
     ///
-    /// * `wanted`: function of the name of a column, and of whether at least one of its cells
-    ///   contains text that is not a number.
+    /// * `wanted`: function that decides whether a column is returned. Its arguments are the name
+    ///   of the column, and whether at least one cell contains text that is not a number.
     pub(crate) fn kept(&self, wanted: impl Fn(&str, bool) -> bool) -> Vec<(String, Vec<String>)> {
         let is_text = |cell: &String| !cell.is_empty() && self.number(cell).is_err();
         let is_kept = |place: &usize| {
@@ -95,8 +94,8 @@ impl Cells {
         places.map(|place| (self.heads[place].clone(), cells(place))).collect()
     }
 
-    /// Calls a function for each row with those cells that are neither empty nor in an ignored
-    /// column.
+    /// Calls a function once per row with the cells of the row that are neither empty nor in an
+    /// ignored column.
     pub(crate) fn each<R>(
         &self,
         columns: &[Option<NamedColumn>],
@@ -127,7 +126,7 @@ impl Cells {
 }
 
 /// Parses a number with the given decimal sign. Returns `None` if the text contains the other
-/// decimal sign.
+/// decimal sign (point or comma).
 pub fn decimal_number(text: &str, decimal: char) -> Option<f64> {
     let other = if decimal == ',' { '.' } else { ',' };
     if text.contains(other) {

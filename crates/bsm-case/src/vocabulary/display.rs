@@ -60,7 +60,7 @@ pub struct DisplayUnit {
 }
 
 impl DisplayUnit {
-    /// Creates a display unit that is the same as the unit of the vocabulary.
+    /// Creates a display unit that equals the unit of the vocabulary.
     ///
     /// * `unit`: the unit as text.
     pub const fn unchanged(unit: &'static str) -> Self {
@@ -385,7 +385,7 @@ mod tests {
         assert!((columns[0].unit.value(9.806_65) - 100.0).abs() < 1e-12);
     }
 
-    /// A table can contain -0, which stays -0 in every unit without an offset.
+    /// A table can contain -0. It stays -0 in every unit that has no offset.
     #[test]
     fn unit_conversion_keeps_the_sign_of_zero() {
         let heads = [("axial_load_N".to_owned(), "N")];

@@ -199,14 +199,14 @@ pub struct CircuitEntry {
     /// Index of the nut body to which the circuit belongs, from 0.
     #[serde(default)]
     pub body: usize,
-    /// Flanks that the groove of the circuit has. Defaults to both flanks for a single nut body,
-    /// and to one flank for each of several bodies.
+    /// Flanks on which the groove of the circuit can carry load. Defaults to both flanks if there
+    /// is a single nut body, and to one flank if there are several nut bodies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flank: Option<Named<Flanks>>,
     /// Axial offset of the circuit's groove in the nut.
     #[serde(default)]
     pub offset_um: f64,
-    /// Sum of the gaps between the balls of the circuit. Defaults to the value of the nut.
+    /// Sum of the gaps between the balls of the circuit. Defaults to the value for the whole nut.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub ball_gap_mm: Option<f64>,
@@ -231,7 +231,7 @@ pub struct MotorCurveRow {
     pub continuous_torque_Nm: f64,
 }
 
-/// An end of the loaded length.
+/// One of the two ends of the loaded length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
     /// The end with the smallest z.
@@ -240,21 +240,21 @@ pub enum End {
     High,
 }
 
-/// Guidance of a nut perpendicular to its axis.
+/// Constraint of a nut against tilt and lateral displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Guidance {
     /// Tilt and lateral displacement are prevented.
     Guided,
-    /// Tilt and lateral displacement follow from the loads.
+    /// Tilt and lateral displacement result from the loads.
     Free,
 }
 
 /// Arrangement of a preloaded pair of nuts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrangement {
-    /// The nuts are pushed apart, by a spacer that is too thick or by a shifted lead.
+    /// The nuts are pushed apart, either by an oversized spacer or by a shifted lead.
     O,
-    /// The nuts are pulled together by a spacer that is too thin.
+    /// The nuts are pulled together by an undersized spacer.
     X,
 }
 
@@ -292,7 +292,7 @@ impl From<ClassName> for String {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteelFactor(pub f64);
 
-/// Basis for the viscosity ratio of the modified life.
+/// Quantity on which the viscosity ratio of the modified life is based.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KappaBy {
     /// The viscosity ratio is calculated from the film thickness, if the film thickness is known.
@@ -420,7 +420,7 @@ impl From<InputName> for String {
     }
 }
 
-/// Numbers that identify P grades without the letter.
+/// Numbers that identify P grades if the letter P is omitted.
 const NUMBERS: [u8; 6] = [0, 1, 3, 5, 7, 10];
 
 /// An accuracy grade that is specified by its name or, for a P grade, by its number.
@@ -433,9 +433,9 @@ pub struct GradeName {
     number: Option<u8>,
 }
 
-/// Returns the grades of the same series with the next smaller and the next larger number. This
-/// serves grades such as `P2`, which is in the lists of JIS and GB/T, but is not known to the
-/// program. The list is empty unless `name` consists of a letter and a number.
+/// Returns the grades with the next lower and the next higher number in the same series, as
+/// suggestions for an unknown grade. An example is `P2`, which JIS and GB/T list but the program
+/// does not support. The result is empty unless `name` consists of a letter and a number.
 fn neighbors(name: &str) -> Vec<&'static str> {
     let split = |name: &str| -> Option<(char, u8)> {
         let letter = name.chars().next().filter(char::is_ascii_alphabetic)?;
@@ -484,8 +484,8 @@ impl From<GradeName> for Value {
 }
 
 impl GradeName {
-    /// Describes the grade. If only a number was given, the text also names the grade of another
-    /// standard with which it could be confused.
+    /// Describes the grade. If the grade was specified by its number alone, the text also names the
+    /// grade of another standard with which it could be confused.
     pub(crate) fn describe(self) -> String {
         let Grade { name, standard, variation, .. } = self.grade;
         let um = |variation: f64| (1e7 * variation).round() / 10.0;
@@ -505,14 +505,14 @@ impl GradeName {
     }
 }
 
-/// An axial error of the nut groove relative to the screw groove: a wave or a slope.
+/// An axial error of the nut groove relative to the screw groove, in the form of a wave or a slope.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LeadErrorEntry {
     /// Amplitude of a wave.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude_um: Option<f64>,
-    /// Periods of the wave per turn.
+    /// Number of wave periods per turn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<f64>,
     /// Phase of the wave. Defaults to 0.
@@ -530,7 +530,7 @@ pub struct LeadErrorEntry {
 mod tests {
     use super::*;
 
-    /// Each kind of entry is written exactly as it was read.
+    /// Every kind of entry is written exactly as it was read.
     #[test]
     fn entries_round_trip_through_json() {
         let all: Value = serde_json::from_str(

@@ -188,7 +188,7 @@ impl CaseError {
     /// most similar known value.
     ///
     /// * `key`: name of the option.
-    /// * `kind`: noun that describes the values in the message, such as "model".
+    /// * `kind`: noun that the message uses for the values, such as "model".
     pub(crate) fn unknown_word(key: &str, kind: &str, name: &str, known: &[&str]) -> Self {
         let near = nearest(name, known.iter().copied());
         let hint =
@@ -254,7 +254,7 @@ impl CaseError {
         Self::wrong_type(key, &format!("`{}`", brief(text)), "a number")
     }
 
-    /// Returns the inner error if this is the error of a table row. Other errors are returned
+    /// Returns the underlying error if this error belongs to a table row. Other errors are returned
     /// unchanged.
     fn of_row(&self) -> &Self {
         match self {
@@ -305,7 +305,8 @@ impl CaseError {
         }
     }
 
-    /// Returns this error as the error of a table row. Rows are counted from 1.
+    /// Returns this error with the number of the table row in which it occurred. Rows are counted
+    /// from 1.
     #[must_use]
     pub fn in_row(self, row: usize) -> Self {
         Self::InRow { row, error: Box::new(self) }
@@ -317,8 +318,8 @@ impl CaseError {
     }
 }
 
-/// Describes changes of inputs with which a warm state may exist, if the warm state is missing
-/// because of the friction of the balls.
+/// If no warm state exists because of the friction of the balls, describes changes of inputs with
+/// which a warm state may exist.
 fn remedy_of_no_state(why: &NoSteadyState) -> &'static str {
     use NoSteadyState::{Jump, NoFriction, NotFound};
     match why {
@@ -331,7 +332,7 @@ fn remedy_of_no_state(why: &NoSteadyState) -> &'static str {
 
 /// Creates the error for an invalid input.
 ///
-/// * `what`: predicate of a sentence about the key, such as "must be positive".
+/// * `what`: predicate of a sentence whose subject is the key, such as "must be positive".
 pub(crate) fn invalid_input(key: impl Into<String>, what: impl Into<String>) -> CaseError {
     let (key, what) = (key.into(), what.into());
     CaseError::Entry { what: format!("`{key}` {what}"), key }
@@ -379,7 +380,8 @@ fn nearest_hint(name: &str, nearest: Option<&str>) -> String {
     }
 }
 
-/// Formats a list of names followed by the verb, such as "a is", "a and b are" or "a, b and c are".
+/// Formats a list of names followed by "is" or "are", for example "a is", "a and b are" or "a, b
+/// and c are".
 pub(crate) fn list(keys: &[String]) -> String {
     match keys {
         [] => "nothing is".to_owned(),

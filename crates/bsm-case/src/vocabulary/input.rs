@@ -11,7 +11,7 @@ use super::rules::Pointwise;
 use super::units::{UnitChange, convert};
 use crate::{CaseError, InputSet, Quantity};
 
-/// Largest number up to which a double-precision number can represent every integer.
+/// Limit up to which double-precision numbers represent every nonnegative integer exactly.
 pub const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
 
 /// Rule that a value must satisfy.
@@ -34,7 +34,7 @@ pub enum Rule {
 }
 
 impl Rule {
-    /// Returns a mask that is true for values that are finite and satisfy the rule.
+    /// Returns a mask that is true for each value that is finite and satisfies the rule.
     #[inline(always)]
     pub fn holds<N: Pointwise>(self, value: N) -> N::Mask {
         let finite = value.abs().lt(value.constant(f64::INFINITY));
@@ -187,8 +187,7 @@ impl InputKey {
     /// Returns the input with the given name.
     ///
     /// # Errors
-    ///
-    /// Returns a [`CaseError::Unknown`] that suggests the most similar name.
+    /// Returns [`CaseError::Unknown`] with the most similar name as a suggestion.
     pub fn named(name: &str) -> Result<Self, CaseError> {
         Self::known(name).ok_or_else(|| unknown_key(name))
     }

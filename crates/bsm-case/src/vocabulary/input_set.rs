@@ -1,4 +1,4 @@
-//! Sets of inputs, and rules for the inputs that are replaced when new inputs are given.
+//! Sets of inputs, and rules that determine which inputs are replaced when new inputs are given.
 
 use std::f64::consts::PI;
 
@@ -108,9 +108,9 @@ impl InputSet {
         })
     }
 
-    /// Returns the inputs that are replaced when the inputs of this set get new values: these
-    /// inputs and other forms of the same quantities. For example, a lead replaces a lead angle,
-    /// and a viscosity replaces a friction coefficient.
+    /// Returns the inputs that are replaced when the inputs of this set get new values: the inputs
+    /// of the set itself, and other forms of the same quantities. For example, a lead replaces a
+    /// lead angle, and a viscosity replaces a friction coefficient.
     #[must_use]
     pub fn replaced(self) -> Self {
         let coefficient = inputs! { friction_coefficient };
@@ -159,8 +159,8 @@ impl InputSet {
         }
     }
 
-    /// Returns the inputs that a case with the inputs of this set has after `settings` have been
-    /// applied.
+    /// Returns the inputs that are given after `settings` have been applied to a case with the
+    /// inputs of this set.
     #[must_use]
     pub fn overridden_by(self, settings: Self) -> Self {
         self.without(settings.replaced()).union(settings)
@@ -223,7 +223,7 @@ forms! {
     pub(crate) LEAD, "lead_angle_deg (or lead_mm)":
         lead_angle_deg, lead_mm with pitch_circle_diameter_mm "to convert lead_mm to an angle";
     /// Contact angle, or the distance between the groove bottoms, from which the contact angle is
-    /// calculated. Only the ratings of a nut use the distance.
+    /// calculated. The distance is used only for the ratings of a nut.
     pub(crate) CONTACT_ANGLE, "contact_angle_deg (or groove_bottom_distance_mm)": contact_angle_deg, groove_bottom_distance_mm;
     /// Speed of the screw, or feed rate of the nut.
     SPEED, "screw_speed_rpm (or feed_m_min)": screw_speed_rpm, feed_m_min with lead_mm "to convert feed_m_min to a speed";
@@ -294,8 +294,8 @@ pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f6
     given(InputKey::loaded_turns).or_else(by_gap)
 }
 
-/// Inputs that indicate that friction is calculated from a lubricant. Density and drag coefficient
-/// are not included, because the jamming analysis also uses them for dry balls.
+/// Inputs whose presence means that friction is calculated from a lubricant. Density and drag
+/// coefficient are not included, because the jamming analysis also uses them for dry balls.
 pub(crate) const LUBRICANT_INPUTS: InputSet = inputs! {
     iso_vg viscosity_40C_mm2_s viscosity_100C_mm2_s pressure_viscosity_1_GPa
     limiting_shear_ratio boundary_friction_coefficient lubricant_temperature_C
@@ -333,8 +333,8 @@ impl InputSet {
         self.contains(InputKey::friction_coefficient) || self.is_lubricated()
     }
 
-    /// Checks that friction is given in only one form, and that inputs that depend on each other
-    /// are given together.
+    /// Checks that friction is given in only one form, and that inputs that require each other are
+    /// given together.
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
         use InputKey as K;
         if self.contains(InputKey::friction_coefficient)
@@ -409,8 +409,8 @@ impl Case {
         self.entries.override_with(&settings.entries);
     }
 
-    /// Applies several numbers at once, in the same way as [`override_with`](Self::override_with),
-    /// but without a second case. This function is used for the rows of a table.
+    /// Applies several numbers at once like [`override_with`](Self::override_with), but without
+    /// creating a second case. This function is used for the rows of a table.
     pub fn override_with_numbers(&mut self, numbers: &[(InputKey, f64)]) {
         self.remove_replaced(numbers.iter().map(|(key, _)| *key).collect());
         for (key, value) in numbers {

@@ -30,8 +30,8 @@ pub struct OtherSeparator {
 }
 
 impl OtherSeparator {
-    /// Returns this error if a header contains a separator other than the expected one and does not
-    /// contain the expected one.
+    /// Returns this error if a table header does not contain the expected separator, but contains
+    /// another known separator.
     pub fn of(header: &str, expected: char) -> Option<Self> {
         let found = header.chars().find(|sign| [',', ';', '\t', '|'].contains(sign))?;
         (!header.contains(expected)).then_some(Self { found, expected })
@@ -74,8 +74,7 @@ impl<R: Read> Lines<R> {
     /// Works like [`next_line`](Self::next_line), but `is_blank` decides which lines are blank.
     ///
     /// # Errors
-    ///
-    /// Returns the errors of [`next_line`](Self::next_line).
+    /// Returns the same errors as [`next_line`](Self::next_line).
     pub fn next_line_where_blank(
         &mut self,
         is_blank: impl Fn(&[u8]) -> bool,
@@ -111,8 +110,8 @@ impl<R: Read> Lines<R> {
         Ok(None)
     }
 
-    /// Reads a line, but at most one byte more than the maximum length. Returns false at the end of
-    /// the text.
+    /// Reads a line, but stops one byte after the maximum length. Returns false at the end of the
+    /// text.
     fn read(&mut self) -> io::Result<bool> {
         self.line.clear();
         let mut any = false;

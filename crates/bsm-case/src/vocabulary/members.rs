@@ -38,7 +38,7 @@ pub(crate) trait Cells: JsonSchema {
         None
     }
 
-    /// Returns the 90 % intervals that the screen shows next to the cells.
+    /// Returns the 90 % intervals that are shown on the screen next to the cells.
     fn bands(&self) -> Vec<Option<Band>> {
         vec![None; Self::columns().len()]
     }
@@ -166,8 +166,8 @@ pub(crate) struct Data<T>(pub(crate) T);
 /// A member that can be absent.
 pub(crate) struct Maybe<T>(pub(crate) Option<T>);
 
-/// Numbers of a table of quantities, and the heading of the numbers without a contact or a
-/// direction.
+/// Numbers of a table of quantities, and the heading of the numbers that apply to no single contact
+/// or direction.
 pub(crate) struct NumbersOf<T>(Numbers, &'static str, PhantomData<T>);
 
 /// A table whose JSON form is a list of objects.
@@ -229,8 +229,8 @@ macro_rules! number_tables {
 
 pub(crate) use number_tables;
 
-/// Implements serialization and schema for a pair of a name and a number, which becomes a JSON
-/// object with one member. The names and meanings of all possible members follow `of`.
+/// Implements serialization and the schema for a pair of a name and a number, which becomes a JSON
+/// object with one member. The names and meanings of all possible members follow the keyword `of`.
 macro_rules! one_member {
     ($($name:ident of $members:expr;)*) => {$(
         impl serde::Serialize for $name {
@@ -266,7 +266,7 @@ pub(crate) struct NumberCells<T>(Vec<Option<f64>>, PhantomData<T>);
 #[serde(transparent)]
 pub(crate) struct NumbersJson<T>(Map<String, Value>, #[serde(skip)] PhantomData<T>);
 
-/// A JSON object with arbitrary names, in the given order.
+/// A JSON object with arbitrary names, which keep the given order.
 #[derive(Debug, Clone)]
 pub(crate) struct ByName<T>(pub(crate) Vec<(String, T)>);
 

@@ -10,7 +10,7 @@ use super::error::{NameKind, brief};
 use super::units::{is_unit, long_name};
 use crate::{CaseEntries, CaseError, INPUTS, Output, REQUIREMENT_CHOICES};
 
-/// Description of a case for messages about invalid files.
+/// Words that denote a case in messages about invalid files.
 const CASE_DESCRIPTION: &str =
     "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
 
@@ -35,7 +35,7 @@ impl GivenNames {
     }
 }
 
-/// Returns the members of a JSON object, in the order of the text.
+/// Returns the members of a JSON object in the order in which they appear in the text.
 ///
 /// # Errors
 ///
@@ -58,9 +58,8 @@ pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
 /// Converts a value from any input format to a JSON value.
 ///
 /// # Errors
-///
-/// Returns the errors of the deserializer, and errors for a number that is not finite or a key that
-/// occurs twice in an object.
+/// Returns the errors of the deserializer. Also returns an error for a number that is not finite,
+/// and for a key that occurs twice in an object.
 pub fn json_value_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Value, D::Error> {
     UniqueKeys(&RefCell::default()).deserialize(deserializer)
 }

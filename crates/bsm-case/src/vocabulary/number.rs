@@ -21,8 +21,7 @@ pub fn format_exact(value: f64) -> String {
 /// Writes a number in the format of [`format_exact`].
 ///
 /// # Errors
-///
-/// Returns the errors of the writer.
+/// Returns the same errors as the writer.
 pub fn write_exact(to: &mut Vec<u8>, value: f64) -> io::Result<()> {
     if !value.is_finite() {
         return write!(to, "{value}");
@@ -89,8 +88,8 @@ fn digits_of_interval(Band { low, high }: Band) -> u8 {
     if high - low < NARROW * low.abs().max(high.abs()) { 5 } else { 3 }
 }
 
-/// Rounds a number up or down to the digits that [`format_digits`] shows. If the number is equal to a
-/// number with these digits except for rounding errors, the number with these digits is returned.
+/// Rounds a number up or down to the number of digits that [`format_digits`] returns. If the number
+/// differs from a number with so few digits only by rounding errors, it is rounded to that number.
 fn rounded(value: f64, count: u8, towards: fn(f64) -> f64) -> f64 {
     /// Largest rounding error, in units of the last shown digit.
     const ROUNDING: f64 = 1e-6;
@@ -113,12 +112,13 @@ pub fn format_short(value: f64) -> String {
     format_digits(value, 2)
 }
 
-/// Rounds a dimension to a multiple of 1e-9, which removes rounding errors of unit conversions.
+/// Rounds a dimension to a multiple of 1e-9 to remove the rounding errors of unit conversions.
 pub(crate) fn decimal(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
-/// Converts a floating-point number with an integer value, such as a count from a case file.
+/// Converts a floating-point number whose value is an integer, such as a count from a case file, to
+/// an integer.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -164,8 +164,8 @@ mod tests {
         }
     }
 
-    /// Regression test: the text "3.1750 (2.78 to 3.17)" excluded the value at the end of its
-    /// interval.
+    /// Regression test: the text "3.1750 (2.78 to 3.17)" stated an interval that excluded its own
+    /// value.
     #[test]
     fn printed_interval_contains_the_exact_interval() {
         for (low, high, text) in [

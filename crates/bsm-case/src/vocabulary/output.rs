@@ -182,8 +182,8 @@ impl Output {
 }
 
 /// Declares outputs: `"label" ["unit"] Kind: name member = reader, "meaning";`. Outputs of contacts
-/// have one name and one member for each contact. The reader returns the value in a solution at a
-/// contact. Flags are 0 or 1, and strings are represented by their index.
+/// have one name and one member for each contact. The reader returns the value of the output from a
+/// solution, for a given contact. Flags are 0 or 1, and strings are represented by their index.
 macro_rules! outputs {
     ($($title:literal { $(
         $label:literal [$unit:literal $($symbol:literal)?] $kind:ident: $($name:ident $site:ident)+ =
@@ -205,8 +205,8 @@ macro_rules! outputs {
             },
         },)+)*)*];
 
-        /// Outputs in the form in which they are displayed, with one quantity for all contacts.
-        /// Quantities with the title "hidden" are displayed only as part of a sentence.
+        /// Outputs as they are displayed, with one quantity for all contacts. Quantities with the
+        /// title "hidden" are displayed only as part of a sentence.
         pub(crate) const SOLUTION: &[Quantity] = &[$($(Quantity {
             name: outputs!(@first $($name)+),
             unit: $unit,
@@ -268,7 +268,7 @@ macro_rules! outputs {
     (@words $kind:ident) => { &[] };
 }
 
-/// Calls a reader for a contact. The function must be inlined, because the SIMD lanes use the
+/// Calls a reader for a contact. The function must be inlined, because SIMD operations use the
 /// instruction set of the caller only in inlined functions.
 #[inline(always)]
 fn read_at<F: Real>(
@@ -285,7 +285,7 @@ fn constant<F: Real>(solved: &SteadyState<F>, number: f64) -> F {
     solved.transmission.efficiency.constant(number)
 }
 
-/// Returns 1 for each solution for which the mask is true, and 0 for the others.
+/// Returns 1 for each solution for which the mask is true, and 0 for all other solutions.
 #[inline(always)]
 fn flags<F: Real>(solved: &SteadyState<F>, holds: F::Mask) -> F {
     F::select(holds, constant(solved, 1.0), constant(solved, 0.0))
@@ -296,7 +296,7 @@ fn yes(holds: bool) -> f64 {
     f64::from(u8::from(holds))
 }
 
-/// Returns the component of the ball's angular velocity along t, n or b.
+/// Returns the component of the ball's angular velocity along the axis t, n or b.
 #[inline(always)]
 fn omega<F: Real>(solved: &SteadyState<F>, along: usize) -> Option<F> {
     let [omega] = solved.ball.motion.as_ref()?.omega.data.0;
@@ -434,7 +434,7 @@ mod tests {
 
     use super::*;
 
-    /// A column for the controlling raceway contains the index of the raceway name.
+    /// A column for the controlling raceway contains indices of raceway names.
     #[test]
     fn index_in_a_controlling_raceway_column_is_the_index_of_the_raceway_name() {
         let output = Output::named("controlling_raceway").expect("an output");
@@ -443,7 +443,7 @@ mod tests {
         }
     }
 
-    /// The unit of every output is recognized at the end of its name, so `low` and `high` can be
+    /// The unit at the end of every output name is recognized, so that `low` or `high` can be
     /// inserted before the unit.
     #[test]
     fn names_of_interval_ends_contain_low_or_high_before_the_unit() {

@@ -41,7 +41,8 @@ macro_rules! phase {
                 #[serde(skip_serializing_if = "Option::is_none")]
                 pub $name: Option<f64>,
             )*
-            /// shape of a move that has time_s: trapezoidal, a third of the time each for acceleration, constant speed and deceleration; or triangular
+            /// speed profile of a move with time_s: trapezoidal, with a third of the time each for
+            /// acceleration, constant speed and deceleration; or triangular
             #[serde(skip_serializing_if = "Option::is_none")]
             pub profile: Option<Named<MoveProfile>>,
         }
@@ -165,7 +166,7 @@ impl TryFrom<Map<String, Value>> for PhaseEntry {
 }
 
 /// Returns the key of a cycle entry to which `name` refers, and the conversion to the unit of the
-/// key. The name may end with a different unit than the key.
+/// key. The unit at the end of `name` may differ from the unit of the key.
 fn phase_key(name: &str) -> Result<NamedColumn, String> {
     let names = PHASE_INPUTS.iter().map(|input| input.name).chain([PROFILE]);
     let known = names.clone().find(|known| *known == name).map(|known| (known, UnitChange::NONE));
@@ -278,8 +279,7 @@ impl PhaseEntry {
     /// of an entry, in any unit.
     ///
     /// # Errors
-    ///
-    /// Returns a [`CaseError::Invalid`] that names the row with the error.
+    /// Returns [`CaseError::Invalid`] with the number of the row that contains the error.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
         let key = |name: &str| phase_key(name).map_err(CaseError::Invalid);

@@ -28,7 +28,7 @@ pub enum AnalysisKind {
     Warnings,
     /// 90 % intervals due to uncertain lubricant friction.
     Band,
-    /// Steady motions on the branch of increasing inertia.
+    /// Steady motions along the solution branch on which the inertia increases.
     Branch,
 }
 
@@ -50,8 +50,8 @@ pub struct Quantity {
     /// Columns that contain the values. The names of columns begin with the contact or the
     /// direction.
     pub columns: &'static [Output],
-    /// Additional inputs without a default that this quantity needs. At least one input of each set
-    /// is required.
+    /// Sets of additional inputs without a default that this quantity needs. At least one input of
+    /// each set is required.
     pub(crate) needs: &'static [InputSet],
     /// Rule for the value, if the quantity is an input.
     pub rule: Rule,
@@ -98,7 +98,7 @@ impl Quantity {
         self.needs.iter().any(|set| set.contains(InputKey::friction_coefficient))
     }
 
-    /// Returns the names of the additional inputs that the quantity needs and that are missing.
+    /// Returns the names of the missing inputs that the quantity needs in addition.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let names = |set: &InputSet| {
             let names: Vec<_> = set.iter().map(InputKey::name).collect();
@@ -320,9 +320,9 @@ pub struct Row {
     /// Unit of the values as text. It differs from the unit of the quantity if the values are in
     /// displayed units.
     pub unit: &'static str,
-    /// Values, in the order of the members of the scope.
+    /// Values, in the order of the contacts or directions in the scope of the quantity.
     pub values: Values,
-    /// 90 % intervals of the values that depend on an estimated groove.
+    /// 90 % intervals of those values that depend on an estimated groove.
     pub bands: [Option<Band>; 3],
 }
 
@@ -407,8 +407,8 @@ impl Numbers {
         self.columns().find(|(column, _)| column.name == name.name())?.1
     }
 
-    /// Returns the value of an output, if the output belongs to this list. True-or-false statements
-    /// are returned as 1 and 0.
+    /// Returns the value of an output, or `None` if the output does not belong to this list.
+    /// True-or-false statements are returned as 1 and 0.
     pub fn value(&self, output: &Output) -> Option<f64> {
         self.number(output.into()).filter(|_| matches!(output.origin, Origin::Table { .. }))
     }
@@ -436,8 +436,8 @@ impl Numbers {
     /// Returns the list unchanged if all its values are finite.
     ///
     /// # Errors
-    ///
-    /// Returns a [`CaseError::Invalid`] that names the first quantity whose value is not finite.
+    /// Returns [`CaseError::Invalid`] with the name of the first quantity whose value is not
+    /// finite.
     pub(crate) fn finite(self) -> Result<Self, CaseError> {
         let endless = self.entries().find(|(_, value)| !value.is_finite());
         match endless.map(|(column, _)| column.name) {

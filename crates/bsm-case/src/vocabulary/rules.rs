@@ -1,7 +1,6 @@
 //! Rules that relate the values of several inputs. A rule is evaluated for one point, or for
 //! several points in SIMD lanes.
-//!
-//! A rule for a single value is a [`Rule`](crate::Rule).
+//! For a rule that applies to a single value, see [`Rule`](crate::Rule).
 
 use bsm_design::turn_length;
 use bsm_dyn::Model;
@@ -12,8 +11,8 @@ use super::input_set::{inputs, lead_angle, lead_mm};
 use crate::vocabulary::units::{DEG, RPM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// A number at one point, or the numbers at several points in SIMD lanes, to which functions of
-/// ordinary numbers can be applied.
+/// A number at one point, or the numbers at several points in SIMD lanes. Functions of ordinary
+/// numbers can be applied to it.
 pub trait Pointwise: Real {
     /// Applies a function to the numbers of each point in `self` and `other`.
     #[must_use]
@@ -59,7 +58,7 @@ impl Inputs for Case {
 pub enum Relation {
     /// The balls fit on the pitch circle.
     BallsFit,
-    /// One turn has room for the given number of balls per turn.
+    /// The given number of balls per turn fits into one turn.
     TurnHolds,
     /// Lead and lead angle describe the same helix.
     LeadsAgree,
@@ -81,7 +80,7 @@ impl Relation {
     pub const ALL: [Self; 5] =
         [Self::BallsFit, Self::TurnHolds, Self::LeadsAgree, Self::SpeedsDiffer, Self::OilThins];
 
-    /// Returns the inputs that the rule relates.
+    /// Returns the inputs to which the rule applies.
     pub fn inputs(self) -> InputSet {
         match self {
             Self::BallsFit => inputs! { ball_diameter_mm pitch_circle_diameter_mm },

@@ -63,7 +63,7 @@ pub fn direction_deg<F: Real>(angle: F) -> F {
 /// Conversion from an alternative unit to the unit of the vocabulary: `factor * (value - zero)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnitChange {
-    /// Size of the alternative unit, expressed in the unit of the vocabulary.
+    /// Size of one alternative unit, expressed in the unit of the vocabulary.
     pub factor: f64,
     /// Value in the alternative unit that corresponds to zero in the unit of the vocabulary. It is
     /// 0 except for temperatures.
@@ -71,7 +71,7 @@ pub struct UnitChange {
 }
 
 impl UnitChange {
-    /// Conversion that leaves values unchanged.
+    /// Conversion that leaves all values unchanged.
     pub const NONE: Self = Self { factor: 1.0, zero: 0.0 };
 
     /// Converts a value to the unit of the vocabulary.
@@ -79,7 +79,8 @@ impl UnitChange {
         self.factor * (value - self.zero)
     }
 
-    /// Converts the difference of two values, such as a standard deviation.
+    /// Converts the difference between two values, such as a standard deviation, to the unit of the
+    /// vocabulary.
     pub fn difference(self, difference: f64) -> f64 {
         self.factor * difference
     }
@@ -111,8 +112,8 @@ struct Dimension {
     units: &'static [Unit],
 }
 
-/// Units of each physical quantity. The physical quantity follows from the name of the value, so
-/// `g` can be a unit of mass or of acceleration.
+/// Units of each physical quantity. The name of a value determines its physical quantity, so `g`
+/// can be a unit of mass or of acceleration.
 const DIMENSIONS: &[Dimension] = {
     const INCH: f64 = 0.0254;
     const FOOT: f64 = 12.0 * INCH;
@@ -193,7 +194,7 @@ const DIMENSIONS: &[Dimension] = {
     }
 };
 
-/// Values that correspond to 0 °C, for temperature units with a different zero point.
+/// Values that correspond to 0 °C in temperature units with a different zero point.
 const ZEROS: [(&str, &str, f64); 2] = [("temperature", "degF", 32.0), ("temperature", "K", 273.15)];
 
 /// Returns the units of all physical quantities.
@@ -457,7 +458,8 @@ mod tests {
         }
     }
 
-    /// Each unit has a single positive size, so conversions in both directions are consistent.
+    /// Each unit has a single positive size, so that the conversions in both directions are
+    /// consistent.
     #[test]
     fn each_unit_has_exactly_one_positive_conversion_factor() {
         for dimension in DIMENSIONS {

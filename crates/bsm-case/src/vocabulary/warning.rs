@@ -1,16 +1,16 @@
 //! Warnings on an axis sheet, some of which correspond to selection limits.
 
-/// A limit of `select` that corresponds to a warning of `axis`.
+/// A limit that `bsm select` imposes and that corresponds to a warning of `bsm axis`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SelectionLimit {
-    /// The screw is longer than any screw in the manufacturers' lists.
+    /// The screw is longer than all screws in the manufacturers' lists.
     ScrewLength,
     /// The number of loaded turns is outside the typical range.
     LoadedTurns,
     /// The land between the grooves is too narrow for these balls.
     BallOverLead,
-    /// The nut model has no solution, so the preload rules, which need the loads of all balls,
-    /// cannot be checked.
+    /// The nut model has no solution. Therefore, the preload rules, which need the loads of all
+    /// balls, cannot be checked.
     UnsolvedNut,
     /// The steady-state temperature rise is too high.
     TemperatureRise,
@@ -44,8 +44,8 @@ impl SelectionLimit {
 pub struct Warning {
     /// Text of the warning.
     pub text: String,
-    /// Corresponding selection limit. If it is `None`, a screw with this warning may be selected,
-    /// and `select` prints the warning.
+    /// Selection limit that corresponds to the warning. If it is `None`, a screw with this warning
+    /// may be selected, and `select` prints the warning.
     pub limit: Option<SelectionLimit>,
 }
 

@@ -86,10 +86,10 @@ fn slip_powers_add_up_to_the_dissipated_power() {
     }
 }
 
-/// The formula for the spin slip that Xu and Tang print for each contact uses the contact angle of
-/// the other contact. If both angles are equal, the printed and the corrected results are equal.
+/// Xu and Tang print a formula for the spin slip of each contact that uses the contact angle of the
+/// opposite contact. If both angles are equal, the printed and the corrected results are equal.
 /// Otherwise, the printed results equal the corrected spin slip with the contacts exchanged. There
-/// is no formula for the unloaded flank.
+/// is no printed formula for the unloaded flank.
 #[test]
 fn printed_spin_slip_formula_uses_the_angle_of_the_other_contact() {
     let report = slip(&case(XU, &[]), Model::Rigid);
@@ -110,8 +110,8 @@ fn printed_spin_slip_formula_uses_the_angle_of_the_other_contact() {
     assert!((printed[0] / corrected[0] - 1.0).abs() > 1e-2, "{printed:?} {corrected:?}");
 }
 
-/// Model `rigid` has three contacts, but no contact ellipses. The report states this and contains
-/// no values that depend on the ellipses.
+/// The `rigid` model has three contacts, but no contact ellipses. The report states this fact and
+/// contains no values that depend on contact ellipses.
 #[test]
 fn rigid_model_reports_no_contact_ellipses() {
     let mut case = case(XU, &[("lead_mm", 40.0)]);
@@ -130,8 +130,8 @@ fn rigid_model_reports_no_contact_ellipses() {
     assert!(report.number(output!(locking_ratio)).is_none());
 }
 
-/// If an input is missing, the jamming report names the input in place of the part that needs it.
-/// The other parts are still calculated.
+/// If an input is missing, the jamming report names this input in place of the results that need
+/// it. All other results are still calculated.
 #[test]
 fn jamming_report_names_missing_inputs() {
     let names = [
@@ -165,7 +165,8 @@ fn verdict_on(report: &Answer, name: &str) -> (bool, String) {
 
 /// The verdict depends on the ball-return margin, which is calculated from the friction of stopped
 /// balls. An earlier criterion was based on the friction along the track in steady motion. This
-/// friction is zero for a rolling ball, so jamming was reported at any thrust.
+/// friction is zero for a rolling ball, so jamming was reported for any push force in the ball
+/// return.
 #[test]
 fn rolling_balls_do_not_jam_at_any_thrust() {
     for model in [Model::Elastic, Model::RacewayControl, Model::Traction] {
@@ -180,8 +181,8 @@ fn rolling_balls_do_not_jam_at_any_thrust() {
     assert!(number(&rolls, "published_margin").abs() < f64::EPSILON);
 }
 
-/// Eq 21 is evaluated at the screw contact. At 8 kN and 2500 rpm, the contact with less friction
-/// would reverse the verdict of the published criterion.
+/// Eq. 21 is evaluated at the screw contact. At 8 kN and 2500 rpm, the verdict of the published
+/// criterion would be reversed if the contact with less friction were used.
 #[test]
 fn published_jamming_criterion_uses_the_screw_contact() {
     let report = jam(&case(DONG, &[("axial_load_N", 8000.0)]), Model::Traction);
@@ -195,8 +196,8 @@ fn published_jamming_criterion_uses_the_screw_contact() {
     assert!((screw / weaker / ratio - 1.0).abs() < 1e-12);
 }
 
-/// In steady motion, a ball never needs more friction across the grooves than is available. It
-/// therefore always meets the wedge criterion, and the analysis does not report a jam.
+/// In steady motion, a ball never needs more friction across the grooves than is available.
+/// Therefore, the ball always meets the wedge criterion, and the analysis reports no jamming.
 #[test]
 fn ball_in_steady_motion_meets_the_wedge_criterion() {
     for model in [Model::RacewayControl, Model::Traction] {
@@ -233,9 +234,9 @@ fn self_locking_margin_depends_on_friction_and_load() {
 const JAMMING: &[u8] = include_bytes!("../../../../examples/jamming.json");
 const FEED: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 
-/// The analysis reports jamming for a case that was designed to jam. The margin decreases with
-/// speed, return angle and step height. It increases with load and friction, because both increase
-/// the force with which the loaded balls push.
+/// The analysis reports jamming for a case that was designed to jam. The jamming margin decreases
+/// with increasing speed, return angle and step height. It increases with load and friction,
+/// because both increase the force with which the loaded balls push.
 #[test]
 fn jamming_is_reported_for_a_case_designed_to_jam() {
     let margin = |changes: &[(&str, f64)]| {
@@ -316,7 +317,7 @@ fn jamming_analysis_raises_no_alarm_for_healthy_screws() {
     }
 }
 
-/// If the speed is reversed, the wedge is reversed, too: the ball climbs the other side of the
+/// If the speed is reversed, the wedging is also reversed: the ball climbs the opposite side of the
 /// groove.
 #[test]
 fn reversing_the_speed_changes_the_sign_of_the_wedge_angle() {
@@ -330,7 +331,7 @@ fn reversing_the_speed_changes_the_sign_of_the_wedge_angle() {
     assert!(forth > 1.0 && back < -1.0, "{forth} {back}");
 }
 
-/// The thrust due to the impact depends on the given inputs of the ball return.
+/// The push force due to the impact depends on the given inputs of the ball return.
 #[test]
 fn thrust_at_the_entry_step_depends_on_ball_return_inputs() {
     let thrust = |changes: &[(&str, f64)]| {
@@ -365,9 +366,9 @@ fn analyses_reject_models_that_do_not_calculate_the_motion() {
     assert_eq!(fixed.solution, solution);
 }
 
-/// `auto` used to choose the model of an analysis based on the efficiency error, which does not
-/// limit the errors of slip and wedge. As a result, the contact angle at the screw jumped from 47
-/// to 51 deg between 6 and 8 kN.
+/// `auto` used to choose the model of an analysis based on the error of the efficiency, which does
+/// not limit the errors of slip and wedge angle. As a result, the contact angle at the screw jumped
+/// from 47 to 51 deg between 6 and 8 kN.
 #[test]
 fn model_choice_for_analyses_ignores_the_efficiency_error() {
     let mut work = ModelWorkspace::default();
@@ -387,9 +388,9 @@ fn model_choice_for_analyses_ignores_the_efficiency_error() {
 
 const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 
-/// Without film, rolling resistance and hysteresis, the jamming results of a lubricated ball equal
-/// the results of a dry ball with the friction coefficient of the asperities. The analysis used to
-/// reject lubricated balls.
+/// Without lubricant film, rolling resistance and hysteresis, the jamming results for a lubricated
+/// ball equal the results for a dry ball with the friction coefficient of the asperities. The
+/// analysis used to reject lubricated balls.
 #[test]
 fn jamming_results_of_a_lubricated_ball_without_a_film_equal_those_of_a_dry_ball() {
     let bare = [("film_factor", 1e-9), ("rolling_factor", 0.0), ("hysteresis_loss", 0.0)];
@@ -420,8 +421,8 @@ fn jamming_results_of_a_lubricated_ball_without_a_film_equal_those_of_a_dry_ball
     }
 }
 
-/// The contacts in motion, a stopped ball and surfaces without a film have different friction
-/// coefficients. A stopped ball slips at the speed of the screw groove.
+/// The friction coefficients differ between contacts in motion, a stopped ball, and surfaces
+/// without a film. A stopped ball slips at the speed of the screw groove.
 #[test]
 fn jamming_analysis_of_a_lubricated_ball_uses_local_friction_coefficients() {
     let oil = case(OIL, &RETURN);
@@ -577,9 +578,9 @@ fn tangential_friction_moments_balance_the_gyroscopic_moment() {
     assert!((nut + screw - gyroscopic).abs() < 1e-6, "{nut} {screw} {gyroscopic}");
 }
 
-/// The program used to contain three different self-locking criteria. One of them considered only
-/// friction across the groove, used a contact angle that friction had already changed, and ignored
-/// the lead angle.
+/// The program used to contain three different criteria for self-locking. One of these criteria
+/// considered only friction across the groove, used a contact angle that friction had already
+/// changed, and ignored the lead angle.
 #[test]
 fn jamming_report_uses_the_closed_form_self_locking_criterion() {
     let steep = [("lead_mm", 50.27), ("friction_coefficient", 0.7)];

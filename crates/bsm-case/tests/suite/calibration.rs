@@ -66,9 +66,9 @@ fn fit_to_points(
     (fit, report)
 }
 
-/// Fits random data sets and returns two kinds of fractions: for each input, the fraction of data
-/// sets for which the true value is outside its 95 % interval, and the fraction of data sets whose
-/// residuals are reported as systematic.
+/// Fits random data sets and returns two results: for each input, the fraction of data sets in
+/// which the true value is outside its 95 % interval; and the fraction of data sets whose residuals
+/// are reported as systematic.
 fn miss_and_alarm_rates(
     noise: impl Fn(f64) -> f64,
     errors: Option<MeasurementError>,
@@ -120,8 +120,8 @@ fn relative_weights_give_correct_standard_deviations_for_proportional_errors() {
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
-/// The errors are neither constant nor proportional to the torque. The error column states them up
-/// to a common factor.
+/// The errors are neither constant nor proportional to the torque. The error column states the
+/// errors up to a common factor.
 #[test]
 fn error_column_gives_correct_standard_deviations() {
     let (beyond, alarms) = miss_and_alarm_rates(|torque| 1e-5 * torque.powi(2), None, true);
@@ -129,8 +129,8 @@ fn error_column_gives_correct_standard_deviations() {
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
-/// The measured torque contains a part that increases with the cube of the load and is missing in
-/// the fitted model. The residuals therefore depend on the load.
+/// The measured torque contains a term that is proportional to the cube of the load and is missing
+/// in the fitted model. Therefore, the residuals depend on the load.
 #[test]
 fn warns_about_residuals_that_depend_on_an_input() {
     let exact = exact_points();

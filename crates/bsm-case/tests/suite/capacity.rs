@@ -141,8 +141,8 @@ fn displacement_of_a_preloaded_pair_depends_on_the_load() {
     assert!(alone("contact_displacement_um").is_nan());
 }
 
-/// An audit found that the following gave no warnings: a preload of 0.39 times the rating (eq. 6),
-/// a load of five times the preload (eq. 8), nine turns, a large ball, and lands that do not retain
+/// An audit found that no warnings were given for a preload of 0.39 times the rating (eq. 6), a
+/// load of five times the preload (eq. 8), nine turns, a large ball, and lands that do not retain
 /// the balls.
 #[test]
 fn violated_recommendations_of_sobolewski_are_reported() {

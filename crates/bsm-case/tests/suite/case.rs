@@ -27,8 +27,8 @@ fn error_text(json: &str) -> String {
 }
 
 /// The error message for an unknown input recognizes the name of an output. The program used to
-/// suggest the input `seal_torque_Nm`, whose name is similar to `screw_torque_Nm` but has another
-/// meaning.
+/// suggest the input `seal_torque_Nm` in place of `screw_torque_Nm`, because the names are similar
+/// although their meanings differ.
 #[test]
 fn result_given_as_an_input_is_not_mistaken_for_an_input_of_similar_spelling() {
     let text = error_text(r#"{"screw_torque_Nm": 2}"#);
@@ -39,7 +39,7 @@ fn result_given_as_an_input_is_not_mistaken_for_an_input_of_similar_spelling() {
     assert!(!text.contains("did you mean"), "{text}");
 }
 
-/// For the unknown grade P2, the program used to suggest only P0, the finest grade.
+/// For the unknown grade P2, the program used to suggest only the finest grade, P0.
 #[test]
 fn grades_on_both_sides_of_an_unknown_grade_are_suggested() {
     for (grade, suggestion) in [
@@ -534,8 +534,8 @@ proptest! {
     }
 }
 
-/// Each column shows the values of its own contact. The table used to show the ellipses of nut and
-/// screw under each other's headings.
+/// The table shows the values of each contact in the column of this contact. It used to show the
+/// ellipses of nut and screw under each other's headings.
 #[test]
 fn contact_columns_show_values_of_their_own_contact() {
     let json = include_bytes!("../../../../examples/feed_drive_oil.json");

@@ -5,7 +5,8 @@ use bsm_design::Candidate;
 
 use crate::named;
 
-/// Short lists of sizes as JSON text. Lists that are not given keep their standard values.
+/// Short lists of sizes as JSON text. Lists that are missing in the text have their standard
+/// values.
 const SMALL: &[u8] =
     br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
     "nut_conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
@@ -89,8 +90,8 @@ fn size_lists_of_sobolewski_give_every_printed_row() {
 }
 
 /// The lands of each nut must retain its balls under the preload. An audit found that the nut bore
-/// was larger than the circle around the balls in 17 255 of 88 515 nuts, and that the balls touched
-/// the lands at 45 deg in 40 705 nuts.
+/// was larger than the circle around the balls in 17 255 of 88 515 nuts. In 40 705 nuts, the balls
+/// touched the lands at 45 deg.
 #[test]
 fn lands_of_every_catalog_nut_retain_its_balls() {
     let catalog = Catalog::standard().expect("compiled in");
@@ -106,7 +107,7 @@ fn lands_of_every_catalog_nut_retain_its_balls() {
 }
 
 /// The gap between balls and the axial play can each be set by a single number. A smaller gap
-/// requires larger pitch circles, and a play moves the arc centers closer together.
+/// requires a larger pitch circle, and a play moves the arc centers closer together.
 #[test]
 fn ball_gap_and_axial_play_can_be_set() {
     let with = |key: &str, value: f64| {
@@ -132,7 +133,7 @@ fn ball_gap_and_axial_play_can_be_set() {
     assert!(Catalog::from_json(b"{\"largest_ball_gap_over_ball\": 1}").is_err());
 }
 
-/// No nut of the Pareto front dominates another nut of the front.
+/// No nut on the Pareto front dominates another nut on the front.
 #[test]
 fn pareto_front_contains_no_dominated_nut() {
     let catalog = Catalog::from_json(SMALL).expect("lists");
@@ -200,8 +201,8 @@ fn preload_reduces_the_life() {
     assert!((numbers(&nut)("rating_life_h") / single - 1.0).abs() < 1e-12);
 }
 
-/// The standard sizes used to contain balls of 0.8 mm for a screw of 40 mm. The most common sizes
-/// of all manufacturers were missing, because their ball diameter exceeds half of the lead.
+/// The standard sizes used to contain 0.8 mm balls for a 40 mm screw. The most common sizes of all
+/// manufacturers were missing, because their ball diameter exceeds half of the lead.
 #[test]
 fn catalogs_contain_common_sizes_with_typical_proportions() {
     let manufacturers = Catalog::manufacturers().expect("compiled in");

@@ -128,8 +128,8 @@ fn specified_input_replaces_its_estimate() {
     assert!((balls - 64.0 * (3.175_f64 / 3.0).powi(2)).abs() < 2.0, "{balls}");
 }
 
-/// The intervals agree within 1 % with the intervals of an independent implementation for the same
-/// 128 grooves (`validation/published/groove/public.json`).
+/// The intervals agree with the intervals of an independent implementation for the same 128 grooves
+/// to within 1 % (`validation/published/groove/public.json`).
 #[test]
 fn intervals_from_catalog_data_match_an_independent_implementation() {
     // The torque without friction is the product of load and lead, divided by 2 pi.
@@ -193,7 +193,7 @@ fn error_about_unreachable_ratings_states_the_nearest_groove() {
     assert!(matches!(wrong, CaseError::OutOfRange { .. }), "{wrong}");
 }
 
-/// The life of an axis can be calculated without a groove.
+/// The life of an axis can be calculated without groove data.
 #[test]
 fn axis_life_is_calculated_even_if_no_groove_matches_the_ratings() {
     let line = case(R40, &["rated_static_load_N=1444000", "stroke_mm=500"]);
@@ -263,7 +263,7 @@ fn axis_results_from_catalog_data_have_intervals() {
 
 /// If friction is not given, the torque is calculated from the catalog efficiency of 0.9. Its
 /// interval is calculated from efficiencies of 0.85 to 0.95. The 5 % and 95 % quantiles of these
-/// efficiencies are 0.855 and 0.945, to within one of the 32 draws.
+/// efficiencies are 0.855 and 0.945, to within the spacing of the 32 draws.
 #[test]
 fn torque_interval_follows_from_catalog_efficiency_range_if_friction_is_missing() {
     let mut line = case(R40, &["stroke_mm=500"]);
@@ -365,9 +365,9 @@ fn life_does_not_depend_on_the_estimated_groove() {
     );
 }
 
-/// The groove of each table row is estimated separately. If no groove has the ratings of a row, or
-/// if the given groove has other ratings, the row is kept, and a message states both sets of
-/// values.
+/// The groove of each table row is estimated separately. If no groove has the ratings in a row, or
+/// if the given groove has different ratings, the row is kept, and a message states the given and
+/// the calculated ratings.
 #[test]
 fn table_rows_get_estimated_grooves_and_contradictions_are_reported() {
     let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
@@ -511,8 +511,9 @@ fn friction_coefficient_fitted_to_the_mean_heat_of_an_axis_has_an_interval() {
     assert!(message.contains("over the possible grooves"), "{message}");
 }
 
-/// The results for a case with a complete groove are the same as before the program could estimate
-/// grooves. `complete_groove.json` contains results of the last program version without estimates.
+/// For a case with a complete groove, the results are the same as before the program could estimate
+/// grooves. `complete_groove.json` contains results of the last program version that did not
+/// estimate grooves.
 #[test]
 fn results_for_a_complete_groove_match_the_stored_results() {
     const FROZEN: &str = include_str!("complete_groove.json");
@@ -545,9 +546,10 @@ fn results_for_a_complete_groove_match_the_stored_results() {
     assert!(compared > 100, "{compared}");
 }
 
-/// The edge load depends on the groove. For an estimated groove, the rule passes if the load is
-/// below the 90 % interval of the edge load, and fails if the load is above this interval. If the
-/// load is within the interval, the rule is undecided and names the inputs that would decide it.
+/// The load at which a contact ellipse reaches the edge of its flank (edge load) depends on the
+/// groove. For an estimated groove, the rule passes if the load is below the 90 % interval of the
+/// edge load, and fails if the load is above this interval. If the load is within the interval, the
+/// rule is undecided and names the inputs that would decide it.
 #[test]
 fn rule_is_undecided_if_the_interval_for_an_estimated_groove_contains_the_limit() {
     let line = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 51300, "screw_speed_rpm": 100,
@@ -628,9 +630,9 @@ strong,40,20,51300";
     );
 }
 
-/// The warm states have a fold only for some of the possible grooves. The answer states the number
-/// of these grooves, and the interval of the fold over these grooves. If the best groove has no
-/// fold, the answer used to contain nothing about a fold.
+/// A highest speed with a thermal steady state (fold) exists only for some of the possible grooves.
+/// The answer states the number of these grooves, and the interval of the fold over these grooves.
+/// If the best groove has no fold, the answer used to contain nothing about a fold.
 #[test]
 fn thermal_fold_of_only_some_possible_grooves_is_reported_with_the_number_of_these_grooves() {
     let base = ["stroke_mm=800", "warm_state=true", "preload_N=2000", "screw_speed_rpm=1500"];
@@ -665,9 +667,9 @@ fn thermal_fold_of_only_some_possible_grooves_is_reported_with_the_number_of_the
     assert!(notes.iter().any(|note| note.starts_with(&text)), "{notes:?}");
 }
 
-/// A nut without preload has a warm state under light loads, because `auto` replaces model traction
-/// where the balls skid. The calculation of such a state used to fail with "a ball has no friction
-/// torque".
+/// A nut without preload has a warm state under light loads, because `auto` uses another model in
+/// place of `traction` if the balls skid. The calculation of such a state used to fail with "a ball
+/// has no friction torque".
 #[test]
 fn warm_state_exists_under_light_loads_at_high_speed() {
     let mut line = case(R40, &["stroke_mm=800", "warm_state=true", "iso_vg=100"]);

@@ -15,7 +15,7 @@ fn requirement(settings: &[&str]) -> Result<RequirementFile, CaseError> {
     read(REQUIREMENT, settings)
 }
 
-/// Returns the example requirement without a lead.
+/// Returns the example requirement without its lead.
 fn requirement_without_lead(settings: &[&str]) -> Result<RequirementFile, CaseError> {
     read(include_bytes!("../../../../examples/requirements/free_lead.json"), settings)
 }
@@ -100,7 +100,7 @@ fn invalid_requirements_are_rejected() {
     assert!(error.contains("(or feed_m_min) is required"), "{error}");
 }
 
-/// If only load, motion and stroke are required, the result is the lightest screw, with a note on
+/// If only load, motion and stroke are specified, the lightest screw is selected, with a note on
 /// the assumed friction.
 #[test]
 fn load_motion_and_stroke_are_sufficient_to_select_a_screw() {
@@ -161,7 +161,7 @@ fn feed_drive() -> Case {
 }
 
 /// A fit to the calculated output of a model recovers the friction coefficient, and the reported
-/// response agrees with the finite difference of the model.
+/// sensitivity agrees with a finite difference of the model.
 #[test]
 fn fit_recovers_the_friction_coefficient() {
     let mut case = feed_drive();
@@ -296,8 +296,8 @@ fn error_of_a_fit_states_the_reachable_range() {
     assert!(error.expect_err("negative friction").to_string().contains("-1 to 1 is not"));
 }
 
-/// The conformity in Sobolewski's tables is outside the range of Lin's step 6. A requirement can
-/// widen this range.
+/// The conformity in Sobolewski's tables is outside the range that Lin's step 6 permits. A
+/// requirement can widen this range.
 #[test]
 fn requirement_can_widen_the_ranges_permitted_by_lin() {
     let tables = ["nut_conformity=0.53", "required_life_h=3000"];
@@ -344,8 +344,8 @@ fn missing_lead_is_chosen_from_standard_leads() {
     }
 }
 
-/// For linear to rotary motion, Lin's rule chooses the largest contact angle and the lead angle
-/// from Eq 18.
+/// For linear-to-rotary motion, Lin's rule chooses the largest contact angle, and calculates the
+/// lead angle with Eq 18.
 #[test]
 fn lead_angle_of_a_screw_driven_by_its_load_satisfies_eq_18_of_lin() {
     let motion = "motion=linear-to-rotary";
@@ -515,7 +515,8 @@ fn list_of_sizes_is_sorted_by_the_mass_of_nut_and_screw() {
     }
 }
 
-/// An audit found that `nut` ignored the cycle of a selected case and assumed a preloaded pair.
+/// An audit found that `nut` ignored the duty cycle of the case of a selected screw, and assumed a
+/// preloaded pair.
 #[test]
 fn nut_results_for_a_load_cycle_match_the_axis_sheet() {
     for (preload, is_pair) in [("", false), (r#","preload_N":2000"#, true)] {

@@ -93,8 +93,8 @@ fn motor_limits_are_checked_by_rules() {
     near(number(&geared, "peak_motor_torque_Nm"), half, 1e-9, "gear");
 }
 
-/// For a vertical axis with 250 kg, the brake torque is checked without friction. The sheet also
-/// states the stopping distance and the speed after a fall.
+/// For a vertical axis that moves 250 kg, the brake torque is checked without friction. The sheet
+/// also states the stopping distance and the speed after a fall.
 #[test]
 fn brake_torque_is_checked_by_a_rule() {
     let with = |more: &[&str]| {
@@ -119,9 +119,9 @@ fn brake_torque_is_checked_by_a_rule() {
     assert!(axis(&["brake_torque_Nm=1"]).answer.rules.iter().all(|rule| rule.title != "brake"));
 }
 
-/// The preload can be given by its class, or it can follow from the load: a load of 10 049 N
-/// requires a preload of 3552.9 N, which is rounded up to 3600 N in catalog steps. The preload is
-/// used on the axis sheet, in the nut with all its balls, and in a selection.
+/// The preload can be given by its class, or it can be calculated from the load: a load of 10 049 N
+/// requires a preload of 3552.9 N, which is rounded up to 3600 N, the next step in catalogs. The
+/// same preload is used on the axis sheet, in the nut with all its balls, and in a selection.
 #[test]
 fn preload_can_be_specified_by_class_or_derived_from_the_load() {
     let case = |more: &[&str]| {
@@ -180,7 +180,8 @@ fn preload_can_be_specified_by_class_or_derived_from_the_load() {
     assert!(speed.value.is_some_and(|rpm| rpm <= 1000.0) && speed.requirement.is_some());
 }
 
-/// The resolution of a motor and the stopping distance of an axis need neither load nor ratings.
+/// The position resolution of a motor and the stopping distance of an axis can be calculated
+/// without load and ratings.
 #[test]
 fn resolution_and_stopping_distance_need_no_load() {
     let sheet = |json: &str| {

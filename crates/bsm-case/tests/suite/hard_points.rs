@@ -1,6 +1,6 @@
-//! Tests of points that were difficult for model `traction`. The points are stored as cases in
-//! `validation/hard`, and the description of each case states the difficulty. The cases can also be
-//! opened with `bsm solve`.
+//! Tests of operating points that were difficult for the `traction` model. The points are stored as
+//! cases in `validation/hard`, and the description of each case states the difficulty. `bsm solve`
+//! can also solve these cases.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fs;
@@ -21,9 +21,9 @@ fn solve_cases_in_folder(folder: &str) -> Vec<(String, Solution)> {
     fs::read_dir(folder).expect("cases").map(answer).collect()
 }
 
-/// Runs with extreme inputs found these points. Earlier versions gave no result for them, gave a
-/// power balance that was dominated by rounding errors, or found no solution although points at
-/// lower and higher speeds were solved.
+/// Test campaigns with extreme inputs found these points. Earlier versions gave no result for them,
+/// gave a power balance that was dominated by rounding errors, or found no solution although points
+/// at lower and higher speeds were solved.
 #[test]
 fn points_that_failed_in_earlier_versions_are_solved() {
     let answers = solve_cases_in_folder("solved");
@@ -46,8 +46,8 @@ fn root_on_an_untraced_branch_is_missed_but_not_excluded_by_proof() {
     }
 }
 
-/// At the points in the folder `no_solution`, the balls are pressed out of their grooves, or
-/// friction moves them off their flanks.
+/// At the operating points in the folder `no_solution`, the balls are pressed out of their grooves,
+/// or friction moves the balls off their flanks.
 #[test]
 fn balls_that_leave_their_flanks_have_no_solution() {
     let answers = solve_cases_in_folder("no_solution");

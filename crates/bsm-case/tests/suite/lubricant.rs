@@ -28,8 +28,9 @@ fn solved(case: &Case, model: Model) -> Record {
     record
 }
 
-/// The 11 cases agree with an independent solution within its tolerances. The reference torque
-/// includes the seals, so one case is compared with the torque of the complete screw.
+/// The results of the 11 cases agree with an independent solution within its tolerances. In one
+/// case, the torque of the complete screw is compared, because the reference torque includes the
+/// seals.
 #[test]
 fn lubricated_friction_matches_an_independent_solution() {
     let cases: Value = serde_json::from_str(CASES).expect("JSON");
@@ -113,7 +114,8 @@ fn lubricant_inputs_that_conflict_or_are_incomplete_are_rejected() {
     assert!(told(&thick, &auto).contains("must be below"), "{}", told(&thick, &auto));
 }
 
-/// `auto` chooses model `traction` for a lubricated ball. A viscosity replaces the viscosity grade.
+/// `auto` chooses the `traction` model for a lubricated ball. A given viscosity replaces the
+/// viscosity grade.
 #[test]
 fn auto_chooses_the_traction_model_for_a_lubricated_ball() {
     let record = Record::new(
@@ -129,8 +131,8 @@ fn auto_chooses_the_traction_model_for_a_lubricated_ball() {
     assert!(film(&thin) < film(&oiled_case(&[])));
 }
 
-/// Derivatives match finite differences, both at a given temperature and at a temperature that
-/// depends on the losses.
+/// Derivatives match finite differences, both at a fixed lubricant temperature and at a temperature
+/// that depends on the losses.
 #[test]
 fn lubricated_sensitivities_match_finite_differences() {
     let heat = ["heat_transfer_W_K=6", "ambient_temperature_C=22", "screw_speed_rpm=3000"];
@@ -161,7 +163,8 @@ fn lubricated_sensitivities_match_finite_differences() {
 }
 
 /// With rough surfaces and without rolling losses, the friction of a nut equals the friction with a
-/// constant coefficient. If the oil carries a part of the load, each ball has its own film.
+/// constant coefficient. If the oil film carries a part of the load, the film is calculated
+/// separately for each ball.
 #[test]
 fn each_ball_of_a_lubricated_nut_has_its_own_film_thickness() {
     const NUT: &[u8] = include_bytes!("../../../../examples/nut_guided.json");
@@ -234,7 +237,7 @@ fn lubricant_is_defined_by_viscosity_and_temperature() {
     assert!(both.problem(&Model::Traction.into()).is_err());
 }
 
-/// A fit to calculated points in other units recovers the inputs, and the residuals are zero.
+/// A fit to calculated points in other units recovers the input values, and the residuals are zero.
 #[test]
 fn fit_recovers_lubricant_inputs_from_a_table() {
     let base = oiled_case(&[]);

@@ -9,7 +9,7 @@ use crate::named;
 
 const CASES: &str = include_str!("machine.json");
 
-/// Returns catalog inputs that are missing in the reference cases and do not affect the compared
+/// Returns catalog inputs that the reference cases lack and that do not affect the compared
 /// outputs.
 fn neutral_catalog_inputs() -> Value {
     json!({
@@ -181,8 +181,8 @@ fn driven_nut_warns_near_the_critical_speed_of_its_screw() {
     }
 }
 
-/// Temperatures, growth, bearing loads, critical speed and buckling are calculated with the thermal
-/// network without feedback.
+/// Temperatures, thermal expansion, bearing loads, critical speed and buckling are calculated with
+/// the thermal network without feedback.
 #[test]
 fn thermal_network_gives_temperatures_and_bearing_loads() {
     for reference in reference_cases("thermal") {
@@ -194,8 +194,8 @@ fn thermal_network_gives_temperatures_and_bearing_loads() {
     }
 }
 
-/// Without a load limit of the bearings, compression due to constrained thermal expansion causes a
-/// warning with a remedy. With a load limit, a rule checks the compression.
+/// If no load limit is given for the bearings, compression due to constrained thermal expansion
+/// causes a warning with a remedy. If a load limit is given, a rule checks the compression.
 #[test]
 fn constrained_expansion_causes_a_warning_or_is_checked_by_a_rule() {
     let reference = reference_cases("thermal").into_iter().nth(2).expect("two fixed bearings");
@@ -286,8 +286,9 @@ fn natural_frequencies_match_independent_values() {
     }
 }
 
-/// Film conductance and heat are averaged over the time including standstill. During a dwell, still
-/// air cools the screw, and the temperature rise decreases with the mean heat.
+/// Film conductance and heat are averaged over the whole time, including standstill. During a
+/// dwell, the screw is cooled by still air, and the temperature rise decreases because the mean
+/// heat is smaller.
 #[test]
 fn average_film_conductance_includes_standstill() {
     let cases = reference_cases("thermal");
@@ -304,7 +305,7 @@ fn average_film_conductance_includes_standstill() {
 }
 
 /// If the torques of seals and bearings are not given, these inputs are named next to the mean
-/// heat. The upper bound of the temperature rise includes typical values of the missing torques.
+/// heat. The upper bound of the temperature rise includes typical values for these torques.
 #[test]
 fn axis_sheet_names_missing_heat_sources() {
     let reference = &reference_cases("thermal")[0];
@@ -331,8 +332,8 @@ fn axis_sheet_names_missing_heat_sources() {
     assert!(high > number(&usual, "steady_temperature_rise_K"), "{high}");
 }
 
-/// The film conductance from a screw at rest to the air is smaller than from a turning screw: about
-/// 5 instead of 21 W/(m2 K).
+/// The film conductance to the air is smaller for a screw at rest than for a turning screw: about 5
+/// instead of 21 W/(m2 K).
 #[test]
 fn film_conductance_of_a_screw_at_rest_equals_the_value_for_still_air() {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
@@ -362,9 +363,10 @@ fn static_safety_of_a_pair_includes_its_preload() {
     }
 }
 
-/// If the thermal expansion is too small to have an effect and friction is dry, the sheets with and
-/// without a warm state have the same temperatures. The tolerance allows for the interpolation of
-/// the friction in the warm state, 1e-9, and the residual of the heat balance, 1e-10.
+/// If the thermal expansion is too small to have an effect and friction is dry, the axis sheet
+/// contains the same temperatures with and without a warm state. The tolerance is the sum of two
+/// errors: the interpolation of the friction in the warm state, 1e-9, and the residual of the heat
+/// balance, 1e-10.
 #[test]
 fn axis_sheet_and_warm_state_use_the_same_thermal_network() {
     let mut case =
@@ -398,8 +400,8 @@ fn axis_sheet_and_warm_state_use_the_same_thermal_network() {
     }
 }
 
-/// For pairs, threads and driven nuts, `select` uses the same functions as `axis`, so the axis
-/// sheet of the selected screw contains the same values.
+/// For nut pairs, threads and driven nuts, `select` uses the same functions as `axis`, so that the
+/// axis sheet of the selected screw contains the same values.
 #[test]
 fn select_and_axis_commands_agree_on_lengths_and_driven_part() {
     let catalog = bsm_case::Catalog::standard().expect("compiled in");

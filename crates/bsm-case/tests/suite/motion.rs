@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use crate::named;
 
-/// Adds a catalog screw without inertia to inputs that contain no screw. None of the compared
+/// Adds a catalog screw without inertia to inputs that specify no screw. None of the compared
 /// outputs depends on the screw.
 fn with_catalog_screw(inputs: &Map<String, Value>) -> Map<String, Value> {
     let mut all = inputs.clone();
@@ -313,8 +313,8 @@ fn standstill_fills_the_time_between_cycles() {
     );
 }
 
-/// Two phases of 1e308 s used to give time shares of 0 and no life, and two phases of 1e300 s used
-/// to give a life of 0 h.
+/// For two phases of 1e308 s, the program used to calculate time shares of 0 and no life. For two
+/// phases of 1e300 s, it used to calculate a life of 0 h.
 #[test]
 fn long_phase_durations_do_not_overflow() {
     let of = |time: f64| {
@@ -365,8 +365,8 @@ fn process_force_may_be_absent_zero_or_negative() {
     assert!(why.contains("no load acts on the screw"), "{why}");
 }
 
-/// A new load or speed used to have no effect on an axis with a cycle, so that all rows of a table
-/// over the load were equal.
+/// A new load or speed used to have no effect on an axis with a cycle, so that a table with a
+/// varied load contained the same results in all rows.
 #[test]
 fn a_new_load_or_speed_replaces_the_cycle() {
     let cycle = json!([{ "force_N": 2000, "screw_speed_rpm": 300, "time_s": 1 }]);
@@ -388,7 +388,7 @@ fn a_new_load_or_speed_replaces_the_cycle() {
     assert!(warnings.iter().any(|warning| warning.contains(text)), "{warnings:?}");
 }
 
-/// Process forces of a jack or a lift also act at rest. The program cannot know this from
+/// The process force of a jack or a lift also acts at rest. The program cannot know this from
 /// `axial_load_N`, so a note must state which assumption is made.
 #[test]
 fn axial_load_acts_at_rest_only_if_specified_as_hold_force() {
@@ -432,8 +432,8 @@ fn buckling_rule_is_undecided_for_a_free_end_unless_buckling_support_is_given() 
     assert_eq!(jack(30e3, "").0, Verdict::Fails);
 }
 
-/// The program used to report that guide friction back-drives a horizontal axis with 100 kg, and
-/// that inertia back-drives an accelerated axis.
+/// The program used to report that guide friction back-drives a horizontal axis that moves 100 kg,
+/// and that inertia back-drives an accelerated axis.
 #[test]
 fn friction_and_inertia_do_not_back_drive_the_screw() {
     let report = solved(&json!({
@@ -463,8 +463,8 @@ fn friction_and_inertia_do_not_back_drive_the_screw() {
     assert_eq!(shown.filter(|name| at_rest(name)).count(), 6);
 }
 
-/// For a vertical axis with 10 kg and a drag torque of 0.15 N m, the program used to report an
-/// efficiency of -1.12.
+/// For a vertical axis that moves 10 kg with a drag torque of 0.15 N m, the program used to report
+/// an efficiency of -1.12.
 #[test]
 fn efficiency_is_null_if_the_drag_exceeds_the_load_torque() {
     let report = solved(&json!({
@@ -476,7 +476,7 @@ fn efficiency_is_null_if_the_drag_exceeds_the_load_torque() {
 }
 
 /// `brake_at_rest` relieves the motor at standstill. The expected values were calculated by hand
-/// for a vertical axis with 250 kg and a lead of 10 mm that is at rest for half of the time.
+/// for a vertical axis that moves 250 kg with a lead of 10 mm and is at rest for half of the time.
 #[test]
 fn holding_brake_relieves_the_motor_at_standstill() {
     let of = |brake: bool| {

@@ -12,7 +12,7 @@ use serde_json::json;
 
 use crate::named;
 
-/// A case with four catalog values of a screw, and the motion of its axis.
+/// A case that contains four catalog values of a screw and the motion of its axis.
 const FOUR: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000, "estimate_groove": false,
     "axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000}"#;
 
@@ -31,8 +31,8 @@ fn has_note(report: &AxisReport, words: &str) -> bool {
 }
 
 /// An audit found that the catalog data "40 x 20, 52 kN, 88 kN" could not be entered. The axis
-/// sheet must contain every result that can be calculated without the groove, and list the omitted
-/// results once.
+/// sheet must contain every result that can be calculated without the groove, and must list each
+/// omitted result once.
 #[test]
 fn four_catalog_values_suffice_for_an_axis_sheet() {
     let report = sheet(FOUR, &[]).expect("a sheet");
@@ -131,8 +131,8 @@ fn assert_printed_value(ours: f64, text: &str, name: &str) {
 }
 
 /// The feed axis of a machining center is example E of the specification. Its values were
-/// calculated independently with the catalog efficiency: preload, torques, heat, and the remaining
-/// part of a pretension of 3 K.
+/// calculated independently with the catalog efficiency: preload, torques, heat, and the tension
+/// that remains of a pretension of 3 K.
 #[test]
 fn machining_center_with_catalog_data_matches_the_reference() {
     let report = sheet(FEED_AXIS, &[r#"preload_N="auto""#]).expect("a sheet");
@@ -178,9 +178,9 @@ fn vertical_axis_with_catalog_data_matches_the_reference() {
 const UPRIGHT: &str =
     include_str!("../../../../validation/published/manufacturers/upright_axis.json");
 
-/// The torque that verifies the preload matches THK BNFN4010-5, THK A-689 (example C), for grade
-/// C3, a preload of 3000 N and a thread of 1300 mm. THK prints 0.865 N m, 30 %, and 0.606 to 1.125
-/// N m, calculated with rounded numbers.
+/// The drag torque that is measured to verify the preload matches THK BNFN4010-5, THK A-689
+/// (example C), for grade C3, a preload of 3000 N and a thread of 1300 mm. THK prints 0.865 N m, 30
+/// %, and 0.606 to 1.125 N m, calculated with rounded numbers.
 #[test]
 fn preload_torque_matches_the_thk_catalog() {
     let report =
@@ -204,8 +204,8 @@ const FEED_AXIS: &str =
     include_str!("../../../../validation/published/manufacturers/machining_center.json");
 
 /// If the groove is given in addition to the ratings, it must match the rated nut. If the
-/// calculated and the given rating differ by a factor of 1.7, there is a warning. A factor of 2.1
-/// is rejected unless the user confirms the ratings.
+/// calculated and the given rating differ by a factor of 1.7, a warning is given. If they differ by
+/// a factor of 2.1, the case is rejected unless the user confirms the ratings.
 #[test]
 fn contradiction_between_ratings_and_groove_is_reported() {
     let groove = include_str!("../../../../examples/axis.json");
@@ -226,8 +226,8 @@ fn contradiction_between_ratings_and_groove_is_reported() {
     assert!(warned(&stated(2.1, &["keep_ratings=true"]).expect("as meant")));
 }
 
-/// A row of a manufacturer's table that contains only ratings is checked with the same axis sheet
-/// as other rows.
+/// If a row of a manufacturer's table contains only ratings, the nut is checked with the same axis
+/// sheet as the other nuts.
 #[test]
 fn manufacturer_table_may_contain_only_ratings() {
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
@@ -262,7 +262,7 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     }
 }
 
-/// A usability test found that a list did not name the rules that its rows failed.
+/// A usability test found that a list of nuts did not name the rules that were violated.
 #[test]
 fn failing_table_rows_name_the_failed_rules() {
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
@@ -461,9 +461,9 @@ fn life_is_modified_by_load_factors_and_lubricant() {
     assert!(both.to_string().contains("contamination_factor"), "{both}");
 }
 
-/// If groove and roughness are known, the viscosity ratio is the smaller of the film ratios at nut
-/// and screw, raised to the power of 1.3. The expected film thickness is calculated with the
-/// formulas of Hamrock and Dowson and the values of one ball.
+/// If groove and roughness are known, the viscosity ratio is the smaller of the two film thickness
+/// ratios, at the nut and at the screw, raised to the power of 1.3. The expected film thickness is
+/// calculated with the formulas of Hamrock and Dowson and the values of one ball.
 #[test]
 fn a_known_film_thickness_determines_the_viscosity_ratio() {
     let text = include_str!("../../../../validation/published/nut/feed_axis.json");
@@ -519,10 +519,10 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
     assert_relative_eq!(ratio(&report), expected, max_relative = 1e-12);
 }
 
-/// The expected values were calculated by hand. Manufacturers' ratings include the accuracy grade.
-/// A calculated rating for grade 10 has a factor of 0.7, which reduces the life to 0.343 of its
-/// value. A hardness of 50 HRC gives factors of (50/60)² and (50/60)³. Catalogs recommend load
-/// factors of 1 to 1.2 at 10 m/min.
+/// The expected values were calculated by hand. Manufacturers' ratings already include the effect
+/// of the accuracy grade. A calculated rating is multiplied by 0.7 for grade 10, which reduces the
+/// life to 0.343 of its value. A hardness of 50 HRC gives factors of (50/60)² and (50/60)³.
+/// Catalogs recommend load factors of 1 to 1.2 at 10 m/min.
 #[test]
 fn rating_and_load_factors_match_hand_calculation() {
     let of = |settings: &[&str]| sheet(FOUR, settings).expect("a sheet");
@@ -607,7 +607,7 @@ fn life_of_a_transfer_axis_matches_the_thk_catalog() {
 }
 
 /// A usability test found that the label of F_m described it as the constant load with the same
-/// life, although both flanks carried load. Hand calculation: half of all revolutions are under 3
+/// life, although both flanks carried load. Hand calculation: half of all revolutions occur under 3
 /// kN, the other half under -2 kN, so the equivalent loads are 3 kN and 2 kN divided by the cube
 /// root of 2.
 #[test]
@@ -636,9 +636,9 @@ fn life_follows_from_the_equivalent_loads_of_both_flanks() {
     assert_relative_eq!(life(&one_flank), of(number(&one_flank, names[0])), max_relative = 1e-12);
 }
 
-/// A usability test found two errors. The axis sheet stated the torque for lowering instead of
-/// lifting, because both have the same load and lowering comes later in the cycle. The torque of a
-/// press was negative, because its feed is negative.
+/// A usability test found two errors. The axis sheet stated the torque for lowering instead of the
+/// torque for lifting, because the load is the same in both phases and lowering comes later in the
+/// cycle. The torque of a press was negative, because its feed is negative.
 #[test]
 fn axis_sheet_states_the_largest_screw_torque_at_the_largest_load() {
     let cycle = |phases: &str| {

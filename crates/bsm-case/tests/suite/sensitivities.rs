@@ -26,7 +26,8 @@ fn solve_without_derivatives(case: &Case, settings: &Settings) -> Option<Transmi
     Some(solution.steady_state()?.transmission)
 }
 
-/// Generates random cases with speed, load and driving side. All inputs are far from their limits.
+/// Generates random cases with random speed, load and driving side. All inputs are far from their
+/// limits.
 fn random_cases() -> impl Strategy<Value = Case> {
     (
         (8.0..40.0_f64, 35.0..60.0_f64, 0.02..0.1_f64, 0.07..0.2_f64),
@@ -66,8 +67,8 @@ fn random_cases() -> impl Strategy<Value = Case> {
         })
 }
 
-/// Removes the nut speed if the screw turns, because model `quasi-static` does not cover drives in
-/// which both parts turn.
+/// Removes the nut speed if the screw turns, because the `quasi-static` model does not cover drives
+/// in which both parts turn.
 fn with_one_turning_part(mut case: Case) -> Case {
     if case.screw_speed_rpm != Some(0.0) {
         case.nut_speed_rpm = None;
@@ -76,9 +77,10 @@ fn with_one_turning_part(mut case: Case) -> Case {
     case
 }
 
-/// Compares each derivative with finite differences of complete solutions with a relative step of
-/// `h`. After Richardson extrapolation, the remaining error is of fourth order. Returns the largest
-/// error, relative to the change that a relative change of 1 in the input would cause.
+/// Compares each derivative with a finite difference of complete solutions, calculated with a
+/// relative step of `h`. After Richardson extrapolation, the remaining error is of fourth order.
+/// Returns the largest error, relative to the change that a relative change of 1 in the input would
+/// cause.
 fn largest_derivative_error(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
     let (answer, rows) = solve_with_derivatives(case, settings)?;
     let mut worst: f64 = 0.0;
@@ -154,9 +156,9 @@ fn largest_identity_violation((answer, rows): &(Performance<f64>, Vec<Sensitivit
 }
 
 /// Returns true if Euler's identity holds apart from rounding errors of the sums and of the
-/// Jacobian. In raceway control, the torque is calculated with another quadrature rule than its
-/// derivatives, which causes a difference of 1e-5 of the efficiency. The efficiency can be as small
-/// as one fiftieth.
+/// Jacobian. In raceway control, the torque and its derivatives are calculated with different
+/// quadrature rules, which causes a difference of 1e-5 of the efficiency. The efficiency can be as
+/// small as one fiftieth.
 fn is_homogeneous(model: ModelChoice, [efficiency, torque]: [f64; 2]) -> bool {
     let of_torque = if model == Model::RacewayControl.into() { 5e-4 } else { 1e-11 };
     efficiency <= 1e-11 && torque <= of_torque
@@ -167,13 +169,12 @@ fn is_homogeneous(model: ModelChoice, [efficiency, torque]: [f64; 2]) -> bool {
 /// equations amplify. The fourth-order error after Richardson extrapolation is smaller.
 const DIFFERENCE: f64 = 1e-7;
 
-/// Returns the relative jump of the results between neighboring points, the step of the finite
-/// differences, and the tolerance for the finite differences.
-///
+/// Returns the relative jump of the results between neighboring points, the step size of the finite
+/// differences, and their tolerance.
 /// If friction is integrated numerically, the number of nodes depends on the point. Between
 /// neighboring points, and between two solutions of the same point, the integrals jump by their
 /// integration error. This error is 1e-8 of the loss, or 3e-6 if the ellipses are as long as the
-/// ball. Model `traction` keeps its nodes fixed in the last iterations. Raceway control needs
+/// ball. The `traction` model keeps its nodes fixed in the last iterations. Raceway control needs
 /// larger steps, for which the fourth-order error is 1e-5.
 fn tolerances(model: ModelChoice) -> (f64, f64, f64) {
     match model {
@@ -281,9 +282,9 @@ fn closed_form_friction_derivative_matches_the_formula() {
     assert_relative_eq!(driven, expected, max_relative = 1e-13);
 }
 
-/// The effect of the inertia of slow balls is proportional to the square of the speed. This must
-/// also be true below 15 rpm in model `rigid` and below 47 rpm in model `elastic`, where the
-/// results are extrapolated from results at higher speeds.
+/// The effect of inertia is proportional to the square of the speed if the balls are slow. This
+/// must also be true below 15 rpm in the `rigid` model and below 47 rpm in the `elastic` model,
+/// where the results are extrapolated from results at higher speeds.
 #[test]
 fn effect_of_ball_density_on_efficiency_is_proportional_to_speed_squared() {
     for model in [Model::Rigid, Model::Elastic] {
@@ -321,7 +322,8 @@ fn sensitivity_table_has_a_row_for_each_input_that_the_model_uses() {
     assert!(sizes.is_sorted_by(|a, b| a >= b), "{sizes:?}");
 }
 
-/// Without a load, the closed form has no torque. Without a solution, there are no derivatives.
+/// Without a load, the closed-form model has no torque. Without a solution, there are no
+/// derivatives.
 #[test]
 fn missing_results_have_no_derivatives() {
     let case = Case { axial_load_N: None, ..screw_of_lin(2000.0) };
@@ -360,9 +362,9 @@ proptest! {
         check_derivatives(&case, &Model::Traction.into())?;
     }
 
-    /// The controlling raceway is given. Otherwise, if both raceways have nearly equal spin
-    /// friction moments (W7), the points of a finite difference could be controlled by different
-    /// raceways.
+    /// The controlling raceway is given, because the points of a finite difference could otherwise
+    /// be controlled by different raceways if both raceways have nearly equal spin friction moments
+    /// (W7).
     #[test]
     fn raceway_control_derivatives_match_finite_differences(case in random_cases(), at_nut in any::<bool>()) {
         let control = if at_nut { Control::Nut } else { Control::Screw };
@@ -378,7 +380,7 @@ proptest! {
         }
     }
 
-    /// The derivatives with `auto` equal the derivatives with the model that `auto` chose, if the
+    /// The derivatives for `auto` equal the derivatives for the model that `auto` chose, if the
     /// other settings are the same.
     #[test]
     fn auto_derivatives_match_the_chosen_model(case in random_cases(), log_tolerance in -6.0..-0.5_f64) {
@@ -403,8 +405,8 @@ proptest! {
     }
 }
 
-/// Model `raceway-control` calculates its results with a coarser quadrature rule than their
-/// derivatives. Theory 12 states the resulting deviations in percent.
+/// The `raceway-control` model calculates the derivatives of its results with a finer quadrature
+/// rule than the results themselves. Theory 12 states the resulting deviations in percent.
 #[test]
 fn raceway_control_finite_differences_deviate_from_derivatives_as_documented() {
     let json = include_bytes!("../../../../examples/dong2020.json");

@@ -35,8 +35,8 @@ fn has_note(report: &AxisReport, words: &str) -> bool {
     report.answer.notes.iter().any(|note| note.contains(words))
 }
 
-/// The expected values are accurate to five digits. Bearings with a stiffness of 750 N/um deform
-/// noticeably.
+/// The expected values are accurate to five digits. The deformation of bearings with a stiffness of
+/// 750 N/um is not negligible.
 #[test]
 fn pretension_force_is_calculated_and_checked_by_a_rule() {
     let report = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
@@ -91,7 +91,7 @@ fn pretension_force_is_calculated_and_checked_by_a_rule() {
 }
 
 /// The expected values are from THK, A-726. The section between bearing and nut is clamped at both
-/// ends and can carry 1.96 times the load of a section with one end that can tilt. If the screw can
+/// ends and can carry 1.96 times the load of a section of which one end can tilt. If the screw can
 /// tilt at both bearings, both ends of the section are assumed to tilt.
 #[test]
 fn buckling_is_checked_between_bearing_and_nut() {
@@ -120,8 +120,8 @@ fn buckling_is_checked_between_bearing_and_nut() {
     assert!(!source(&["buckling_support=fixed-fixed"]).contains("(default)"));
 }
 
-/// A bore of 20 mm reduces cross section, inertia and mass by the values of a rod with this
-/// diameter.
+/// A bore of 20 mm reduces the cross section, moment of inertia and mass of the screw by the values
+/// of a rod with this diameter.
 #[test]
 fn screw_bore_reduces_area_inertia_and_mass() {
     let (solid, hollow) = (axis(&[]), axis(&["screw_bore_mm=20"]));
@@ -138,8 +138,8 @@ fn screw_bore_reduces_area_inertia_and_mass() {
     near(number(&stated, "inertia_of_screw_kg_m2"), 0.01e-3 * length, 1e-12, "as stated");
 }
 
-/// A note is given for strokes below three nut lengths, below one circulation of the balls, and
-/// below half a turn.
+/// A note is given for a stroke below three nut lengths, for a stroke below one ball circulation,
+/// and for a stroke below half a turn.
 #[test]
 fn axis_sheet_contains_a_note_about_short_strokes() {
     // The two nuts are 380 mm long in total.

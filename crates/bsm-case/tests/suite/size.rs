@@ -42,8 +42,8 @@ pub(crate) fn near(ours: f64, theirs: f64, tolerance: f64, what: &str) {
     assert!((ours / theirs - 1.0).abs() < tolerance, "{what}: {ours} {theirs}");
 }
 
-/// After a remedy is applied, its rule is met. If the screw is then too short, the program reports
-/// that the nut has no room for the stroke.
+/// After a remedy has been applied, the corresponding rule is met. If the screw is then too short,
+/// the program reports that the nut has no room for the stroke.
 #[test]
 fn each_violated_rule_is_met_after_its_remedy_is_applied() {
     for (settings, title, asks, input) in [
@@ -162,9 +162,9 @@ fn rules_match_a_calculation_in_catalog_units() {
     assert!(report.passes(), "{:?}", report.answer.rules);
 }
 
-/// The screw torque is the sum of its parts. Without preload, the part due to the contacts equals
-/// the torque of the model. This is tested with the screw or the load driving, with a turning nut,
-/// and with losses outside the contacts.
+/// The screw torque is the sum of its contributions. Without preload, the contribution of the
+/// contacts equals the torque of the model. This is tested with the screw or the load driving, with
+/// a turning nut, and with losses outside the contacts.
 #[test]
 fn screw_torque_is_the_sum_of_the_listed_torques() {
     let drive = include_bytes!("../../../../examples/feed_drive.json");
@@ -303,8 +303,8 @@ fn vertical_axis_needs_less_torque_for_lowering_than_for_lifting() {
     assert!(number_of_phase(&report, 1, "motor_power_W") < 0.0);
 }
 
-/// Every torque that depends on a lubricant has an uncertainty band, which the sheet states. A
-/// torque with dry friction has no band.
+/// Every torque that depends on a lubricant has an uncertainty band, which is stated on the axis
+/// sheet. A torque with dry friction has no uncertainty band.
 #[test]
 fn sheet_of_a_lubricated_axis_states_uncertainty_bands_of_friction_torques() {
     let oiled = |case: &[u8]| {
@@ -344,8 +344,8 @@ fn sheet_of_a_lubricated_axis_states_uncertainty_bands_of_friction_torques() {
     );
 }
 
-/// A manufacturer's ratings replace the calculated ratings in the life and the static safety
-/// factor.
+/// In the calculation of the life and the static safety factor, a manufacturer's ratings replace
+/// the calculated ratings.
 #[test]
 fn ratings_from_a_manufacturer_replace_calculated_ratings() {
     let own = axis(&["preload_N=1"]);
@@ -496,7 +496,7 @@ fn log_uniform_generator(seed: u64) -> impl FnMut(f64, f64) -> f64 {
 /// `select`, `axis`, `nut` and `solve` give equal values for outputs with the same name. This is
 /// tested for random requirements (200 with `CAMPAIGNS=whole`), with and without preload, and with
 /// dry and lubricated nuts. The efficiency of an axis used to be 0.99181 in `select` and 0.99217 in
-/// `axis`, which used another model.
+/// `axis`, because the two commands used different models.
 #[test]
 fn all_commands_give_equal_values_for_shared_outputs() {
     let (mut draw, mut axes) = (log_uniform_generator(44), 0);
@@ -580,8 +580,8 @@ const NAMES: [&str; 12] = [
     "ball_torque_Nm",
 ];
 
-/// For random requirements (200 with `CAMPAIGNS=whole`), the screw selected from manufacturers'
-/// sizes passes its axis sheet, and so does the best screw of any size.
+/// For random requirements (200 with `CAMPAIGNS=whole`), the screw that is selected from
+/// manufacturers' sizes passes all rules on its axis sheet, and so does the best screw of any size.
 #[test]
 fn selected_screw_passes_all_rules_of_its_axis_sheet() {
     let (mut draw, mut found) = (log_uniform_generator(0x9e37_79b9_7f4a_7c15), 0);
@@ -718,7 +718,7 @@ fn a_vertical_axis_has_no_lost_motion() {
     assert_eq!(axis(&["inclination_deg=90"]).number(output!(lost_motion_um)), None);
 }
 
-/// If every standard size exceeds its critical speed, the design report states this.
+/// If every standard size exceeds its critical speed, the design report states this problem.
 #[test]
 fn design_report_states_that_every_standard_size_exceeds_its_critical_speed() {
     let (requirement, catalog) = requirement(&["stroke_mm=7000"]);
@@ -908,8 +908,8 @@ fn buckling_rule_names_its_end_conditions() {
     }
 }
 
-/// The axial play is a part of the lost motion of a nut without preload. If the play is not given,
-/// the axis sheet states this.
+/// The axial play contributes to the lost motion of a nut without preload. If the play is not
+/// given, the axis sheet states that this contribution is missing.
 #[test]
 fn lost_motion_includes_the_axial_play() {
     let sheet = |at: &str, more: &str| {
@@ -979,8 +979,8 @@ fn axis_sheet_states_missing_inputs_next_to_the_affected_numbers() {
     assert!(lacks.contains("churning") && lacks.contains("start from rest"), "{lacks}");
 }
 
-/// Warnings are given for a screw that is heavier than a solid rod, and for an offset that leaves
-/// the balls loose.
+/// Warnings are given for a screw that is heavier than a solid rod, and for an offset that does not
+/// preload the balls.
 #[test]
 fn warns_about_contradictory_inputs() {
     let warnings = |more: &str| catalog_axis(more).warnings;

@@ -8,7 +8,7 @@ use crate::named;
 
 const CASES: &str = include_str!("../../../../validation/published/nut/third_contact.json");
 
-/// Returns a reference ball as a case with changed inputs, and its expected results.
+/// Returns a reference ball as a case with the given changes of inputs, and its expected results.
 fn reference(name: &str, sets: &[&str]) -> (Case, Value) {
     let cases: Vec<Value> = serde_json::from_str(CASES).expect("JSON");
     let of = cases.into_iter().find(|case| case["name"] == name).expect("a reference case");
@@ -77,8 +77,8 @@ fn threshold_play_is_stated_if_no_play_is_specified() {
     assert!(!wide.warnings(&above).join(" ").contains("far flank"));
 }
 
-/// In model `raceway-control`, friction does not affect the force balance of the ball, so there is
-/// no threshold.
+/// In the `raceway-control` model, friction does not affect the force balance of the ball, so there
+/// is no threshold play.
 #[test]
 fn only_models_with_friction_in_the_force_balance_have_a_threshold_play() {
     let (mut case, _) = reference("V06", &[]);
@@ -135,8 +135,8 @@ fn radial_gap_deeper_than_the_grooves_is_rejected() {
     assert!(case.problem(&Settings::from(Model::Rigid)).is_ok());
 }
 
-/// For every value of the play, from zero to a large value, `auto` chooses model `traction`,
-/// because no cheaper model calculates a third contact.
+/// For every value of the play, from zero to a large value, `auto` chooses the `traction` model,
+/// because no less expensive model calculates a third contact.
 #[test]
 fn auto_chooses_traction_if_any_play_is_specified() {
     let mut last = f64::INFINITY;
@@ -170,8 +170,9 @@ fn far_flank_friction_defaults_to_the_friction_coefficient() {
     assert_eq!(power(&wide).to_bits(), power(&wide[..1]).to_bits());
 }
 
-/// The third contact of a lubricated ball adds the same loss as a dry third contact with the mean
-/// friction coefficient. The loss is a continuous function of the play at the threshold.
+/// The third contact of a lubricated ball causes the same additional loss as a dry third contact
+/// with the mean friction coefficient. At the threshold, the loss is a continuous function of the
+/// play.
 #[test]
 fn loss_of_a_lubricated_third_contact_equals_the_loss_of_a_dry_third_contact() {
     let oil = ["iso_vg=68", "lubricant_temperature_C=30"];
@@ -290,8 +291,8 @@ fn friction_of_a_loaded_nut_depends_on_the_direction_of_travel() {
     );
 }
 
-/// In a lubricated nut pair, third contacts contribute to the drag if the play is small, but not if
-/// the play is large.
+/// In a lubricated nut pair, third contacts contribute to the drag torque if the play is small, but
+/// not if the play is large.
 #[test]
 fn lubricated_pair_has_more_drag_with_little_play_than_with_large_play() {
     let nut = |play: Option<f64>| {

@@ -67,8 +67,8 @@ fn ball_train_matches_reference_cases() {
     }
 }
 
-/// The torque parts add up to the total exactly, and the driving torque is calculated from the
-/// total.
+/// The contributions to the torque add up to the total exactly, and the driving torque is
+/// calculated from the total.
 #[test]
 fn torque_parts_add_up_to_the_total() {
     let reference = &reference_cases()[1];
@@ -119,8 +119,8 @@ fn losses_of_an_oiled_nut_add_up_to_the_total() {
     }
 }
 
-/// If no balls touch, the torque equals the torque of balls that are solved individually, within
-/// the residual of each root, 1e-10.
+/// If no balls touch, the torque equals the torque of balls that are solved individually, to within
+/// the residual of each solution, 1e-10.
 #[test]
 fn torque_matches_sum_over_individually_solved_balls_if_the_balls_do_not_touch() {
     let reference = &reference_cases()[2];
@@ -138,9 +138,9 @@ fn torque_matches_sum_over_individually_solved_balls_if_the_balls_do_not_touch()
     assert!(number(&without, "ball_contact_band_Nm") > 0.0);
 }
 
-/// The range of torques due to assumed push forces used to be 36 kN m with model `elastic`, in
-/// which balls spin without friction. With raceway control, the range differs by a few percent from
-/// the range with model `traction`.
+/// The range of torques due to assumed push forces used to be 36 kN m with the `elastic` model, in
+/// which balls spin without friction. The ranges with raceway control and with the `traction` model
+/// differ by a few percent.
 #[test]
 fn torque_range_for_assumed_push_forces_is_calculated_with_traction_or_raceway_control() {
     let case = &reference_cases()[1]["case"];
@@ -202,7 +202,7 @@ fn reason_is_stated_if_push_forces_cannot_be_calculated() {
 }
 
 /// In the last reference case, a push force is 3.7 % of the mean ball load and 2.1 % of the largest
-/// ball load. The case is solved with a warning.
+/// ball load. The case is solved, but a warning is given.
 #[test]
 fn warns_about_push_forces_above_three_percent_of_the_mean_ball_load() {
     let report =
@@ -211,7 +211,8 @@ fn warns_about_push_forces_above_three_percent_of_the_mean_ball_load() {
     assert!(report.number(output!(friction_torque_Nm)).is_some());
 }
 
-/// The circuits of a pair may have different gaps. If the gaps are sufficient, no balls touch.
+/// The two circuits of a nut pair may have different gaps. If the gaps are sufficient, no balls
+/// touch.
 #[test]
 fn each_circuit_may_have_a_separate_gap() {
     let case = &reference_cases()[5]["case"];
@@ -240,9 +241,9 @@ fn each_circuit_may_have_a_separate_gap() {
     }
 }
 
-/// The answer states the needed gap and the ball flux of each circuit. The flux, the number of
-/// balls that pass per second, is the precession speed of the ball train divided by the angle
-/// between two touching balls (O8). Case T02 agrees with the reference to 1e-7.
+/// The answer states the required gap and the ball flux of each circuit. The flux, which is the
+/// number of balls that pass per second, is the precession speed of the ball train divided by the
+/// angle between two touching balls (O8). Case T02 agrees with the reference to 1e-7.
 #[test]
 fn ball_flux_is_reported_for_each_circuit() {
     let reference =
@@ -279,7 +280,7 @@ fn too_many_balls_are_reported() {
     );
 }
 
-/// The sheet of an axis states whether its torque includes touching balls.
+/// The axis sheet states whether the torque includes the friction between touching balls.
 #[test]
 fn axis_sheet_states_whether_its_torque_includes_ball_to_ball_friction() {
     let says = |change: Value| {

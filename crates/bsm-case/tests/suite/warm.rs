@@ -30,7 +30,7 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
 }
 
 /// The tolerances of the reference cases apply to temperature rises above the surroundings,
-/// preload, heat and growth. The tolerance for the loop gain is 1e-4.
+/// preload, heat and thermal expansion. The tolerance for the loop gain is 1e-4.
 #[test]
 fn warm_state_matches_reference_cases() {
     for id in ["WS-P1", "WS-P2", "WS-P3", "WS-P4", "WS-P5", "WS-P6"] {
@@ -129,7 +129,8 @@ fn air_temperature_defaults_to_20_degrees() {
     assert!((found - 20.0).abs() < 1e-9, "{found}");
 }
 
-/// The reference folds have a tolerance of 1e-5.
+/// The highest speeds with a thermal steady state (folds) match the reference cases with a
+/// tolerance of 1e-5.
 #[test]
 fn thermal_folds_match_reference_cases() {
     for id in ["WS-P3", "WS-P6"] {
@@ -207,8 +208,8 @@ fn life_at_assembly_temperature_equals_the_life_without_a_warm_state() {
     assert!(lives(true, "cycle_life_revolutions") < cold, "a rising preload reduces the life");
 }
 
-/// Columns of the warm state are also available if circuits define the numbers of balls and turns
-/// of the nut.
+/// Columns of the warm state are also available if the numbers of balls and turns are determined by
+/// the circuits of the nut.
 #[test]
 fn warm_state_columns_are_available_for_a_nut_given_by_circuits() {
     let (case, _) = case("WS-P3", |_| {});
@@ -218,8 +219,9 @@ fn warm_state_columns_are_available_for_a_nut_given_by_circuits() {
     }
 }
 
-/// WS-P3 has no steady state above its fold. The rule states the ratio of the speed at the fold to
-/// the given speed, 1166.55 rpm / 1500 rpm.
+/// The case WS-P3 has no steady state above its fold, which is the highest speed with a thermal
+/// steady state. The rule states the ratio of the speed at the fold to the given speed, 1166.55 rpm
+/// / 1500 rpm.
 #[test]
 fn steady_state_rule_fails_above_the_thermal_fold() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
@@ -313,9 +315,9 @@ fn message_states_why_no_warm_state_exists() {
     assert!(why.contains("runs away above 0.88 times the given speeds"), "{why}");
 }
 
-/// If the nut of WS-P5 turns faster and loses its preload, one ball after another loses contact,
-/// but a steady state always exists. In raceway control, the friction jumps each time a ball loses
-/// contact.
+/// If the nut of case WS-P5 turns faster and loses its preload, one ball after another loses
+/// contact, but a steady state always exists. With raceway control, the friction jumps each time a
+/// ball loses contact.
 #[test]
 fn warm_states_exist_where_balls_lose_their_load() {
     let mut last = f64::INFINITY;
@@ -338,7 +340,7 @@ fn warm_states_exist_where_balls_lose_their_load() {
     }
 }
 
-/// A preload causes drag even in a cycle without loads, and the preload rules apply.
+/// A preload causes a drag torque even in a cycle without loads, and the preload rules apply.
 #[test]
 fn preload_causes_drag_in_a_cycle_without_load() {
     let (case, _) = case("WS-P3", |case| case["fold_search_factor"] = json!(1.01));
@@ -351,8 +353,8 @@ fn preload_causes_drag_in_a_cycle_without_load() {
     assert!(sheet.answer.to_json()["rules"].to_string().contains("warm_preload_N"));
 }
 
-/// Above the fold, only the results at the fold exist. The error for other results states why they
-/// are missing.
+/// At speeds above the fold, where no thermal steady state exists, only the results at the fold are
+/// available. The error for other results states why they are missing.
 #[test]
 fn error_states_why_columns_are_missing_above_the_thermal_fold() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
@@ -372,8 +374,8 @@ fn error_states_why_columns_are_missing_above_the_thermal_fold() {
     assert!(why.contains("runs away above 0.78 times the given speeds, where the nut"), "{why}");
 }
 
-/// The uncertainty band of WS-P2 agrees with the reference to its tolerance of 1e-3. Values that
-/// are given are not varied, which narrows the band.
+/// The uncertainty band of case WS-P2 agrees with the reference to its tolerance of 1e-3. Given
+/// values are not varied, which narrows the band.
 #[test]
 fn specified_thermal_inputs_narrow_the_uncertainty_band_of_the_warm_state() {
     let band = |change: &dyn Fn(&mut Value)| {
@@ -411,7 +413,8 @@ fn specified_thermal_inputs_narrow_the_uncertainty_band_of_the_warm_state() {
     }
 }
 
-/// A screw that cannot grow is compressed. The compression increases the load in the buckling rule.
+/// A screw that cannot expand freely is compressed when it warms up. The compression increases the
+/// load in the buckling rule.
 #[test]
 fn thermal_compression_reduces_the_buckling_safety() {
     let (case, _) = case("WS-P4", |case| case["fold_search_factor"] = json!(1.01));
@@ -458,8 +461,8 @@ fn warm_states_have_a_thermal_fold_in_x_but_not_in_o_arrangement() {
     }
 }
 
-/// A phase that is given by a screw speed is equal to the phase that is given by the corresponding
-/// feed rate.
+/// A phase that is given by a screw speed gives the same results as a phase that is given by the
+/// corresponding feed rate.
 #[test]
 fn screw_speed_and_equivalent_feed_rate_give_the_same_phase() {
     let at = |phase: Value| {
@@ -542,9 +545,9 @@ fn selection_takes_the_warm_state_into_account() {
     assert!(differ, "the warm state does not change the selected screw");
 }
 
-/// The program used to find no steady state at 17 of 91 preloads from 690 to 720 N, and at 5 of 31
-/// preloads from 660 to 690 N with nut control. The reason was that the friction of each ball in
-/// the unloaded nut jumped when the ball was first loaded.
+/// The program used to find no steady state for 17 of 91 preloads from 690 to 720 N. With nut
+/// control, it found none for 5 of 31 preloads from 660 to 690 N. The reason was that the friction
+/// of each ball in the unloaded nut jumped when the ball was first loaded.
 #[test]
 fn warm_states_exist_where_balls_lift_off() {
     for (settings, preloads) in [
@@ -571,8 +574,8 @@ fn warm_states_exist_where_balls_lift_off() {
     }
 }
 
-/// If one of the varied assumptions has no steady state, the band has no upper end. The upper end
-/// used to be equal to the value itself.
+/// If no steady state exists under one of the varied assumptions, the uncertainty band has no upper
+/// end. The upper end used to be equal to the value itself.
 #[test]
 fn uncertainty_band_has_no_upper_end_without_steady_state() {
     let words = [
@@ -597,8 +600,8 @@ fn uncertainty_band_has_no_upper_end_without_steady_state() {
     }
 }
 
-/// In a nut without preload, the warm balls expand into the play. The balls used to press against
-/// both flanks, for which no friction could be calculated.
+/// In a nut without preload, the warm balls expand into the play. In an earlier version, the balls
+/// were pressed against both flanks, and their friction could not be calculated.
 #[test]
 fn nut_without_preload_has_a_warm_state() {
     let mut case: Value = serde_json::from_str(FEED_AXIS).expect("JSON");

@@ -283,8 +283,8 @@ fn catalog_line(program: &Program) -> Blocks {
     Ok(table("| result | best groove | 90 % interval |", &rows))
 }
 
-/// Generates a table that shows how the intervals shrink if further inputs of the catalog line are
-/// known.
+/// Generates a table that shows how the intervals narrow if further inputs are known in addition to
+/// the catalog line.
 fn catalog_line_items(program: &Program) -> Blocks {
     let conformity = "--set nut_conformity=0.52 --set screw_conformity=0.52";
     let cases = [
@@ -306,7 +306,7 @@ fn catalog_line_items(program: &Program) -> Blocks {
     Ok(table("| additional inputs | heat of the example, W | stiffness of the nut, N/um |", &rows))
 }
 
-/// Returns the calculated value of a check of the groove estimate.
+/// Returns the calculated value from a check of the groove estimate.
 fn groove_check(checks: &Value, key: &str) -> Result<f64, Box<dyn Error>> {
     let list = checks["checks"].as_array().ok_or("no checks")?;
     let key = format!("groove/{key}");
@@ -314,8 +314,8 @@ fn groove_check(checks: &Value, key: &str) -> Result<f64, Box<dyn Error>> {
     number(check.ok_or_else(|| format!("no check `{key}`"))?, "measured").map_err(Into::into)
 }
 
-/// Generates a table of the fraction of catalog rows for which the groove estimate finds the
-/// correct ball diameter. These rows were not used to fit the prior.
+/// Generates a table that lists the fraction of catalog rows for which the groove estimate finds
+/// the correct ball diameter. These rows were not used to fit the prior.
 fn groove_rates(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let row = |(key, known): (&str, &str)| {
@@ -340,8 +340,8 @@ fn groove_rates(program: &Program) -> Blocks {
     Ok(table(head, &rows))
 }
 
-/// Generates a table of the rate of correct ball diameters for each manufacturer, with a prior that
-/// was fitted to the other manufacturers.
+/// Generates a table that lists, for each manufacturer, the fraction of correctly estimated ball
+/// diameters. The prior was fitted to the other manufacturers.
 fn groove_new_makers(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let row = |maker: &str| {
@@ -358,7 +358,7 @@ fn groove_new_makers(program: &Program) -> Blocks {
     Ok(table(head, &rows))
 }
 
-/// Generates the widths of the intervals for catalog rows that were not used to fit the prior.
+/// Generates a table of interval widths for catalog rows that were not used to fit the prior.
 fn groove_widths(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let of = |key: &str| groove_check(&checks, &format!("other-half/{key}"));
@@ -375,7 +375,7 @@ fn groove_widths(program: &Program) -> Blocks {
     ))
 }
 
-/// Generates a table of the gap that the balls need, and of the effect of smaller gaps, for a
+/// Generates a table of the gap that the balls need and of the effect of a smaller gap, for a
 /// driving and a back-driven screw.
 fn ball_train(program: &Program) -> Blocks {
     const PER_CENT: [f64; 4] = [0.5, 0.2, 0.05, 0.01];
@@ -438,7 +438,8 @@ fn ball_train(program: &Program) -> Blocks {
     Ok(table(header, &rows))
 }
 
-/// Generates a table with the errors of every model and setting for the points in the repository.
+/// Generates a table of the errors of every model and setting for the operating points in the
+/// repository.
 fn accuracy(_: &Program) -> Blocks {
     let rows: Vec<_> = tradeoff::accuracy(&Points::committed()?)?.iter().map(errors_row).collect();
     let header = "| model and setting | solved | rolling | partial skid | gross skid | loads, rolling | angles, rolling |";
@@ -464,7 +465,8 @@ fn errors_row((setting, errors): &(Setting, Vec<Errors>)) -> String {
     format!("| `{}` | {solved:.1} % | {} |", setting.name(), cells.join(" | "))
 }
 
-/// Formats an error. If the error is below the residual of the solver, an upper limit is shown.
+/// Formats an error. If the error is smaller than the residual of the solver, an upper limit is
+/// shown.
 fn format_error(error: f64) -> String {
     if error < 1e-9 { "< 1e-9".to_owned() } else { format_short(error) }
 }

@@ -1,9 +1,8 @@
 //! Updates the generated numbers in the README and in docs by running the corresponding commands;
 //! see `docs/remake`.
-//!
-//! The blocks of a command are written as soon as it has succeeded, so that an interrupt loses the
-//! work of at most one command. If a command fails, its blocks are not changed, the other commands
-//! still run, and the exit code is 1.
+//! The blocks of a command are written as soon as the command has succeeded, so that an interrupt
+//! loses the work of at most one command. If a command fails, its blocks are not changed, the other
+//! commands still run, and the exit code is 1.
 #![expect(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -29,7 +28,7 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 /// Names of blocks, each with its new text.
 type Blocks = Vec<(&'static str, Text)>;
 
-/// A generator of one or several blocks, which the command line can select by name.
+/// A generator of one or several blocks. The command line can select the generator by name.
 struct Source {
     name: String,
     /// The commands that are run, as shown by `--list`.

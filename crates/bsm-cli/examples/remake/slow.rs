@@ -32,8 +32,8 @@ pub(crate) struct Site {
 /// Folder in the repository for temporary files of the measurements.
 const WORK: &str = "target/remake";
 
-/// Test campaigns with extreme points: model, number of points, seed, and number of points in a
-/// second campaign near the limits of the inputs.
+/// Test campaigns with extreme points: model, number of points, seed, and number of points in an
+/// additional campaign near the limits of the inputs.
 pub(crate) const CAMPAIGNS: &[(&str, usize, u64, usize)] = &[
     ("closed-form", 50_000, 2026, 100_000),
     ("quasi-static", 50_000, 2026, 100_000),
@@ -111,7 +111,7 @@ fn micro(ns: f64) -> String {
     format_short(1e-3 * ns)
 }
 
-/// Determines the fastest settings and the time per point with `bsm tradeoff`, and adds mean values
+/// Determines the fastest settings and the time per point with `bsm tradeoff`, and adds averages
 /// over newly drawn random points.
 pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let measured = |points: &str| -> Result<Value> {
@@ -196,7 +196,7 @@ fn times_row((setting, fresh): (&Value, &Value)) -> Result<String> {
     Ok(format!("| `{}` | {} |", name.trim_end(), cells.join(" | ")))
 }
 
-/// Formats the mean times of model `auto` with its default tolerance.
+/// Formats the average times of `auto` with its default tolerance.
 fn auto_means(settings: &[Value]) -> Result<String> {
     let auto = |s: &&Value| s["model"] == "auto" && s["options"] == "--tolerance 1e-2";
     let times = settings.iter().find(auto).map(|setting| group_times(setting, "all"));
@@ -344,8 +344,8 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     )])
 }
 
-/// Measures the time per sweep row on one core for three kinds of results: nuts, nuts whose balls
-/// touch each other, and warm axes.
+/// Measures the time per row of a sweep on one core for three kinds of results: nuts, nuts whose
+/// balls touch each other, and warm axes.
 pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     const TRAIN: &str = "examples/nut_train.json --model traction --set moment_y_Nm=30";
     const AXIS: &str = "validation/published/nut/feed_axis.json";
@@ -481,7 +481,8 @@ pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// Compares model `rigid` with other solvers, at random points and at the points of `bsm tradeoff`.
+/// Compares the solver of the `rigid` model with other solvers, at random points and at the points
+/// of `bsm tradeoff`.
 pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let few = if site.quick { " --count 64 --runs 3" } else { "" };
     let report = |name: &str, flag: &str| -> Result<Value> {
@@ -523,8 +524,8 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// Compares model `traction` with other solvers, at random points and at the points of `bsm
-/// tradeoff`.
+/// Compares the solver of the `traction` model with other solvers, at random points and at the
+/// points of `bsm tradeoff`.
 pub(crate) fn traction_peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let few = if site.quick { " --count 64 --runs 3" } else { "" };
     let printed = |flag: &str| {
@@ -595,16 +596,15 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
 /// Results that a test campaign has printed.
 struct Campaign {
     points: f64,
-    /// For each outcome: index in [`OUTCOMES`], reason, and number of points.
+    /// For each outcome: its index in [`OUTCOMES`], the reason, and the number of points.
     kinds: Vec<(usize, String, f64)>,
-    /// Numbers of converged points that are known to have other solutions, that are known to have
-    /// none, and for which it is unknown whether other solutions exist.
+    /// Numbers of converged points in three groups: other solutions are known to exist, are known
+    /// not to exist, or it is unknown whether they exist.
     others: [f64; 3],
     slowest_ms: f64,
 }
 
-/// First words of the outcome names. The last outcome also includes solutions without
-/// sensitivities.
+/// First words of the outcome names. The last outcome also counts solutions without sensitivities.
 const OUTCOMES: [&str; 3] = ["converged", "no_solution", "not_converged"];
 
 impl Campaign {
@@ -710,8 +710,8 @@ pub(crate) fn build(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     Ok(vec![("build", Text::Whole(text))])
 }
 
-/// Runs the long test that the command `line` in a document specifies, and returns the output of
-/// the test.
+/// Runs the long test with the command `line`, which is quoted in a document, and returns the
+/// output of the test.
 pub(crate) fn test_output(site: &Site, line: &str) -> Result<String> {
     let words =
         line.strip_prefix("cargo ").ok_or_else(|| format!("not a cargo command: {line}"))?;

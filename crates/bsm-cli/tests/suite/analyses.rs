@@ -15,7 +15,7 @@ fn json(args: &[&str]) -> Value {
     serde_json::from_str(&stdout(&output)).expect("JSON alone on stdout")
 }
 
-/// The cases that `validate` checks must be the same as the example cases.
+/// The cases that `validate` checks must be identical to the example cases.
 #[test]
 fn example_cases_match_the_published_cases() {
     for key in ["xu2015", "dong2020"] {
@@ -25,8 +25,8 @@ fn example_cases_match_the_published_cases() {
     }
 }
 
-/// A check of a published trend must fail if the recorded number of curves with this trend is
-/// wrong, or if a trend that does not hold is not recorded.
+/// The check of a published trend must fail if the recorded number of curves with this trend is
+/// wrong, or if a trend does not hold and this deviation is not recorded.
 #[test]
 fn checks_of_published_trends_fail_if_the_recorded_findings_are_wrong() {
     let dir = folder();
@@ -124,7 +124,7 @@ fn jam_output_contains_verdicts_and_margins() {
     );
 }
 
-/// Regression test: the trends stated in a paper were once printed below the user's own results.
+/// Regression test: trends from a published paper were once printed below the user's own results.
 /// Only `validate` should print these trends.
 #[test]
 fn slip_and_jamming_plots_of_a_user_case_do_not_show_published_trends() {

@@ -15,8 +15,8 @@ const SETTINGS: [&str; 6] = [
     "friction_coefficient=0.08",
 ];
 
-/// Two catalog lines, R40-20K4-FSC from HIWIN and SFU1605-4 from TBI. The axial load is a tenth of
-/// the dynamic load rating.
+/// Two catalog lines: R40-20K4-FSC from HIWIN and SFU1605-4 from TBI. In each case, the axial load
+/// is a tenth of the dynamic load rating.
 const LINES: &str =
     "nominal_diameter_mm,lead_mm,rated_dynamic_load_N,rated_static_load_N,axial_load_N
 40,20,51300,144400,5130
@@ -38,9 +38,9 @@ fn write_catalog_line(folder: &std::path::Path) {
     fs::write(folder.join("line.json"), case.to_string()).expect("a case");
 }
 
-/// Table columns must contain the same results and intervals as `nut` and `solve`. The groove is
-/// estimated separately for each row. If no groove is consistent with the ratings of a row, its
-/// message must say so.
+/// Table columns must contain the same results and intervals as the answers of `nut` and `solve`.
+/// The groove is estimated separately for each row. If no groove is consistent with the ratings in
+/// a row, the message of the row must say so.
 #[test]
 fn table_columns_contain_interval_bounds() {
     let dir = folder();
@@ -100,8 +100,8 @@ fn table_columns_contain_interval_bounds() {
     assert!(stdout(&output).lines().skip(1).all(|row| row.ends_with(',')), "{}", stdout(&output));
 }
 
-/// Estimated inputs must be marked in the JSON, on the screen and on the sheet. Each interval must
-/// follow the number to which it belongs.
+/// Estimated inputs must be marked as estimated in the JSON, on the screen and on the sheet. Each
+/// interval must directly follow the number to which it belongs.
 #[test]
 fn estimates_are_marked_in_every_output() {
     let dir = folder();
@@ -165,7 +165,8 @@ fn commands_accept_a_catalog_line_or_report_why_they_cannot() {
 }
 
 /// A table of screws that are specified only by their load ratings must contain intervals in JSON
-/// and CSV. The comparison of two such screws must contain intervals in `axis` and in the browser.
+/// and CSV. The comparison of two such screws, with `axis` and in the browser, must also contain
+/// intervals.
 #[test]
 fn lists_and_offers_from_catalog_data_contain_intervals() {
     let dir = folder();

@@ -162,8 +162,8 @@ fn missing_solution_causes_exit_code_3_and_a_reason() {
     assert!(text.contains("above a critical lead angle of 7.075"), "{text}");
 }
 
-/// Invalid input must cause one paragraph on standard error, exit code 2 (1 for a file error),
-/// nothing on standard output, and no output file.
+/// Invalid input must cause a message of one paragraph on standard error, exit code 2 (1 for a file
+/// error), nothing on standard output, and no output file.
 #[test]
 fn invalid_input_is_reported_in_one_paragraph() {
     let dir = folder();
@@ -202,8 +202,8 @@ fn invalid_input_is_reported_in_one_paragraph() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
-/// Invalid rows must keep their position and state what is wrong. Additional columns must be
-/// copied, and tables in all three formats must have the same contents.
+/// Invalid rows must keep their position, and their message must state what is wrong. Additional
+/// columns must be copied, and tables in all three formats must have the same contents.
 #[test]
 fn a_sweep_of_a_table_keeps_invalid_rows_in_place() {
     let dir = folder();
@@ -322,7 +322,8 @@ fn sweep_results_do_not_depend_on_the_thread_count() {
     assert_eq!(text.lines().count(), 6001);
 }
 
-/// A malformed table must cause one paragraph on standard error, exit code 2, and no output file.
+/// A malformed table must cause a message of one paragraph on standard error, exit code 2, and no
+/// output file.
 #[test]
 fn malformed_tables_are_reported() {
     let dir = folder();
@@ -353,8 +354,8 @@ fn malformed_tables_are_reported() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
-/// All models whose inputs the case contains must be shown side by side. For each of the other
-/// models, the missing inputs must be listed.
+/// All models for which the case contains the inputs must be shown side by side. For each of the
+/// remaining models, the missing inputs must be listed.
 #[test]
 fn model_comparison_shows_every_model() {
     let dir = folder();
@@ -580,8 +581,8 @@ fn invalid_sweeps_write_no_files() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
 }
 
-/// The efficiency jumps by 5e-3 along this sweep. Regression test: there was no message that
-/// several solutions exist.
+/// The efficiency jumps by 5e-3 along this sweep. Regression test: no message stated that several
+/// solutions exist.
 #[test]
 fn sweep_reports_rows_with_several_solutions() {
     let dir = folder();

@@ -333,7 +333,7 @@ fn the_optimum_search_matches_the_closed_form() {
 }
 
 /// Regression test: a case with a lead angle but no contact angle, or vice versa, was rejected.
-/// Either angle determines the optimum value of the other angle. Each figure of Lin, Velinsky and
+/// Each of these angles determines the optimum of the other one. Each figure of Lin, Velinsky and
 /// Ravani (1994) must be drawn only if the case contains the inputs of the figure.
 #[test]
 fn optimum_is_found_if_only_lead_angle_or_only_contact_angle_is_known() {

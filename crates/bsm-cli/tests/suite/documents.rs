@@ -33,7 +33,7 @@ fn all_documents() -> Vec<Document> {
 }
 
 /// Returns the first relevant difference between two texts. Times may differ, because they depend
-/// on the machine. The last printed digit of a number may also differ. Numbers below 1e-10, the
+/// on the machine. The last printed digit of a number may differ as well. Numbers below 1e-10, the
 /// residual at which the solver stops, may differ because they consist only of rounding errors.
 fn difference(documented: &str, printed: &str) -> Option<String> {
     let cells = |line: &str| -> Vec<String> {
@@ -113,8 +113,8 @@ fn comparison_of_printed_texts_ignores_only_times_and_rounding_errors() {
     assert!(difference("158 pass", "159 pass").is_some());
 }
 
-/// Beginnings of the shell commands that this test does not run, because they build the program or
-/// run tests.
+/// Beginnings of the shell commands that this test skips, because they build the program or run
+/// tests.
 const SET_UP: [&str; 5] =
     ["cargo fetch ", "cargo build ", "cargo test ", "pip install ", "crates/bsm-view/page-solver"];
 
@@ -288,7 +288,7 @@ fn every_documented_output_follows_a_command() {
     }
 }
 
-/// Returns the parts of a text that are enclosed in backquotes.
+/// Returns the parts of a text that are enclosed in backticks.
 fn texts_between_backquotes(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
@@ -366,7 +366,7 @@ fn prose(text: &str) -> String {
     kept + rest
 }
 
-/// Returns the first number that is neither in backquotes nor the number of an equation, figure or
+/// Returns the first number that is neither in backticks nor the number of an equation, figure or
 /// chapter.
 fn bare_number(text: &str) -> Option<String> {
     let mut refers = false;
@@ -432,9 +432,8 @@ fn numbers_without_code_formatting_are_detected() {
 
 /// The commands of each row in the table of papers must print every calculated number that the row
 /// states. Each command is run only once.
-///
 /// Regression test: ten rows contained numbers that their commands did not print, because only
-/// numbers in backquotes were compared.
+/// numbers in backticks were compared.
 #[test]
 fn commands_in_the_table_of_papers_print_the_stated_numbers() {
     let rows = rows(&papers());

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::program::{bsm, folder, stderr, stdout};
 
-/// Regression test: row 1 was solved with the lead of the base case instead of its own lead. The
-/// test runs the command that revealed this error.
+/// Regression test: row 1 of a table was solved with the lead of the base case instead of the lead
+/// in the row. The test runs the command that revealed this error.
 #[test]
 fn rows_with_empty_lead_cells_match_single_solves() {
     let dir = folder();

@@ -14,7 +14,7 @@ fn run(folder: &Path, args: &[&str]) -> String {
     stdout(&output)
 }
 
-/// Catalog lines with a stiffness, the load for which the stiffness is stated, and additional text
+/// Catalog lines with a stiffness, the load at which the stiffness is stated, and additional text
 /// columns.
 const LINES: &str = "nut,supplier,nominal_diameter_mm,lead_mm,rated_dynamic_load_N,rated_static_load_N,rated_rigidity_N_um,rated_rigidity_at
 small,A,40,20,52000,88000,700,0.3 Ca
@@ -22,9 +22,9 @@ large,B,50,20,80000,150000,900,0.28 Ca
 slow,C,40,10,60000,120000,800,0.3 Ca
 ";
 
-/// Filters, sorting, column units and table formats must work for a manufacturer's table as they do
-/// for standard sizes. Text columns must be kept, and the case of the first nut must contain its
-/// order code.
+/// Filters, sorting, column units and table formats must work for a manufacturer's table in the
+/// same way as for standard sizes. Text columns must be kept, and the case of the first nut must
+/// contain its order code.
 #[test]
 fn options_for_lists_apply_to_a_table_of_nuts() {
     let dir = folder();
@@ -90,8 +90,8 @@ fn options_for_lists_apply_to_a_table_of_nuts() {
     assert!(stderr(&misspelled).contains("lead_mm"), "{}", stderr(&misspelled));
 }
 
-/// Rows that contradict their own geometry must be named. In this table, one ball is too large for
-/// the lead, and one row has a ratio of calculated to stated rating that is far from the median of
+/// Rows whose ratings contradict their geometry must be named. In this table, one ball is too large
+/// for the lead, and in one row, the ratio of calculated to stated rating is far from the median of
 /// the table.
 #[test]
 fn table_rows_whose_ratings_or_balls_contradict_their_geometry_are_reported() {
@@ -128,8 +128,8 @@ fn table_rows_whose_ratings_or_balls_contradict_their_geometry_are_reported() {
     );
 }
 
-/// With inch units, labels and numbers on the screen, on the sheet, in rules and in columns must be
-/// converted. JSON must not be converted.
+/// If inch units are selected, labels and numbers on the screen, on the sheet, in rules and in
+/// columns must be converted, but JSON must keep metric units.
 #[test]
 fn answers_are_displayed_in_inch_units() {
     let dir = folder();

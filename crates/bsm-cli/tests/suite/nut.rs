@@ -31,7 +31,7 @@ fn single_nut() -> Value {
     })
 }
 
-/// Converts a reference case to a case of this program whose loads are inputs.
+/// Converts a reference case to a case of this program in which the loads are inputs.
 fn case_from_reference(reference: &Value) -> Value {
     let mut case = reference["case"].clone();
     let loads = reference["load_SI"].as_object().expect("loads");
@@ -68,11 +68,11 @@ fn case_from_reference(reference: &Value) -> Value {
 }
 
 /// Every number in `expect` must agree with the number of the same name in the answer. The
-/// reference case states the relative tolerance (1e-9). Some numbers are zero by symmetry.
-/// Therefore, the tolerance of a number is relative to at least a thousandth of the largest number
-/// in its list or, for forces that cancel, of the sum of all ball loads. For ball loads, the
-/// tolerance is relative to at least a millionth of the largest load (chapter 11.10 of the source
-/// of the reference cases).
+/// reference case states the relative tolerance (1e-9). Because some numbers are zero by symmetry,
+/// the reference value for the tolerance is at least a thousandth of the largest number in the same
+/// list or, for forces that cancel, a thousandth of the sum of all ball loads. For ball loads, the
+/// reference value is at least a millionth of the largest load (chapter 11.10 of the source of the
+/// reference cases).
 #[test]
 fn nut_results_match_the_reference_cases() {
     let cases = fs::read_to_string(root().join("validation/published/nut/public.json"));
@@ -288,8 +288,8 @@ fn option_set_accepts_text_values() {
     );
 }
 
-/// For a preloaded nut, the three stiffness values must match their definitions, the remaining
-/// preload must be zero at the limit load, and a note must explain the torque.
+/// For a preloaded nut, the three stiffness values must match their definitions, the preload that
+/// remains at the limit load must be zero, and a note must explain the torque.
 #[test]
 fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
     let dir = folder();
@@ -378,8 +378,8 @@ fn ball_table_displacement_curve_and_figures_are_written() {
     }
 }
 
-/// Samples must depend only on the seed and not on the number of threads. The first sample must be
-/// the nut of the case itself.
+/// Random samples must depend only on the seed and not on the number of threads. The first sample
+/// must be the nut of the case itself.
 #[test]
 fn random_nuts_depend_only_on_the_seed() {
     let dir = folder();
@@ -452,9 +452,10 @@ fn nut_pair(change: &Value) -> Value {
 }
 
 /// A preload force must apply to the cold nut, and temperatures must change the preload. Regression
-/// test: temperatures changed only a preload that was given as an offset, whereas a preload force
-/// was applied to the warm nut without a note. By default, the nuts of a pair must be pushed apart
-/// (O arrangement). A given offset must keep its sign, and given flanks must be used unchanged.
+/// test: temperatures changed only a preload that was given as an offset, whereas a given preload
+/// force was treated as the preload of the warm nut, without a note. By default, the nuts of a pair
+/// must be pushed apart (O arrangement). A given offset must keep its sign, and given flanks must
+/// be used unchanged.
 #[test]
 fn a_preload_force_applies_to_the_cold_nut() {
     let warm = |change: Value| {
@@ -585,7 +586,7 @@ fn a_ball_outside_its_groove_is_rejected() {
 }
 
 /// Regression test: the search took 0.1 s for every ball without a solution, so that a nut with a
-/// thousand balls was still not solved after 200 s.
+/// thousand balls was not solved within 200 s.
 #[test]
 fn solve_of_a_nut_stops_at_the_first_ball_without_a_solution() {
     let case = fs::read_to_string(example("nut_free.json")).expect("an example");
@@ -614,8 +615,9 @@ fn solve_of_a_nut_stops_at_the_first_ball_without_a_solution() {
     );
 }
 
-/// Regression test: the upper bound of the contact load was calculated as if both nuts of a pair
-/// without preload carried the load. A contact load of 505.6 N exceeded its bound of 476.8 N.
+/// Regression test: for a nut pair without preload, the upper bound of the contact load was
+/// calculated as if both nuts carried the load. A contact load of 505.6 N exceeded its bound of
+/// 476.8 N.
 #[test]
 fn no_upper_bound_on_contact_load_is_reported_for_a_pair_without_preload() {
     let case = fs::read_to_string(example("nut_double.json")).expect("an example");
@@ -639,8 +641,8 @@ fn no_upper_bound_on_contact_load_is_reported_for_a_pair_without_preload() {
 }
 
 /// Regression test: earlier versions printed an efficiency of -19 without mentioning self-locking,
-/// and the message "NaN of their sum is left". They also accepted overlapping circuits, an arc of
-/// 1e308 deg, and a converged nut in which a ball had no force balance.
+/// and printed the message "NaN of their sum is left". They also accepted overlapping circuits, an
+/// arc of 1e308 deg, and a converged nut in which a ball had no force balance.
 #[test]
 fn unusual_nut_inputs_are_rejected_or_cause_a_note() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
@@ -675,8 +677,8 @@ fn unusual_nut_inputs_are_rejected_or_cause_a_note() {
     assert!(words.contains("is larger than its groove"), "{words}");
 }
 
-/// Regression test: `nut` determined the number of balls from circuits and gaps, but `solve` did
-/// not and chose a model that calculates no loads.
+/// Regression test: `nut` calculated the number of balls from circuits and gaps. `solve` did not,
+/// and therefore chose a model that calculates no loads.
 #[test]
 fn command_solve_counts_the_balls_of_circuits_with_gaps() {
     let dir = folder();
@@ -727,8 +729,8 @@ fn the_example_nut_is_solved() {
     );
 }
 
-/// Regression test: a nut with a moved mass and no axial load was solved as a pair with an assumed
-/// preload.
+/// Regression test: a nut with a moved mass and without an axial load was solved as a pair with an
+/// assumed preload.
 #[test]
 fn nut_without_axial_load_carries_weight_and_guide_friction() {
     let nut = fs::read_to_string(example("nut.json")).expect("an example");
@@ -811,8 +813,8 @@ fn ratings_axis_and_nut_accept_the_example_feed_drives() {
     }
 }
 
-/// A centrifugal force of 1 % of the load requires no action, so it must cause a note and not a
-/// warning.
+/// A centrifugal force of 1 % of the load requires no action by the user, so it must cause a note
+/// and not a warning.
 #[test]
 fn small_centrifugal_force_causes_a_note_but_no_warning() {
     let guided = fs::read_to_string(example("nut_guided.json")).expect("an example");
@@ -877,8 +879,8 @@ fn solve_oversize_nut(sets: &[String]) -> Value {
 }
 
 /// The friction torque must agree with an independent solution that includes friction in the force
-/// balance of each ball. Regression test: with loads calculated without friction, the torque
-/// dropped to 0.225 N m below the limit load and jumped to 0.312 N m above it.
+/// balance of each ball. Regression test: friction was neglected in the calculation of the loads,
+/// so that the torque dropped to 0.225 N m below the limit load and jumped to 0.312 N m above it.
 #[test]
 fn friction_torque_of_oversize_balls_matches_the_reference() {
     let at = |load: f64| solve_oversize_nut(&[format!("axial_load_N={load}")]);

@@ -1,6 +1,6 @@
-//! Tests of datasets that are solved by many processes, some of which are killed, race each other
-//! or find damaged files. The dataset must be bit-identical to the dataset of a single process, or
-//! a clear error must be reported. The long version of these tests is `just faults`.
+//! Tests of datasets that are solved by many processes. Some processes are killed, compete for the
+//! same parts or find damaged files. The dataset must be bit-identical to the dataset of a single
+//! process, or a clear error must be reported. `just faults` runs the long version of these tests.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -263,7 +263,7 @@ fn runs_killed_150_times_write_bit_identical_parts() {
 /// A modification of a complete dataset.
 struct Modification {
     what: String,
-    /// True if the modification changes only bytes before a footer, so that a check of the footers
+    /// True if the modification only affects bytes before a footer, so that a check of the footers
     /// cannot detect it.
     is_hidden: bool,
     does: Box<dyn Fn(&Path)>,

@@ -344,8 +344,8 @@ fn table_does_not_depend_on_a_requested_plot() {
     }
 }
 
-/// The interval of lubricated friction must have the same bounds in a table column as in the answer
-/// for a single point.
+/// The interval of lubricated friction must have the same bounds in a table column and in the
+/// answer for a single point.
 #[test]
 fn table_columns_contain_the_friction_interval_of_single_solves() {
     let dir = folder();

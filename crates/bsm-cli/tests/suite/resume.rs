@@ -1,6 +1,6 @@
 //! Tests of runs that are killed at random moments, and of damaged datasets. Results must never be
 //! wrong, damage must never be accepted silently, and only SIGKILL may leave temporary files
-//! behind. The long version of these tests is `just kills`.
+//! behind. `just kills` runs the long version of these tests.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -70,7 +70,8 @@ struct Points {
 }
 
 impl Points {
-    /// Creates the points. At the last friction coefficient, the screw is self-locking.
+    /// Creates the points. At the last value of the friction coefficient, the screw is
+    /// self-locking.
     fn new(loads: usize) -> Self {
         let vary = vec![
             format!("--vary=axial_load_N=500:9000:{loads}"),
@@ -239,7 +240,8 @@ type Harm<'a> = Box<dyn Fn() + 'a>;
 enum Reaction {
     /// The run fails with this exit code and message, and the damaged file is kept.
     Refused(i32, &'static str),
-    /// The damaged part is solved again, and the dataset equals that of an undisturbed run.
+    /// The damaged part is solved again, and the dataset becomes identical to the dataset of an
+    /// undisturbed run.
     Healed,
 }
 
@@ -494,8 +496,8 @@ fn resume_rejects_a_different_grid() {
     );
 }
 
-/// Regression test: both the exit code and the note of a resumed run ignored rows without a result
-/// in parts that had been finished earlier.
+/// Regression test: neither the exit code nor the note of a resumed run took into account rows
+/// without a result in parts that had been finished earlier.
 #[test]
 fn a_resumed_run_counts_failed_rows_of_finished_parts() {
     let dir = folder();

@@ -117,8 +117,8 @@ fn a_closed_pipe_is_not_a_failure() {
     }
 }
 
-/// If standard output is closed, the answer must be discarded as with /dev/null. If standard error
-/// is closed, only messages may be lost.
+/// If standard output is closed, the answer must be discarded, as if it were written to /dev/null.
+/// If standard error is closed, only messages may be lost.
 #[test]
 fn closed_standard_streams_are_tolerated() {
     let dir = folder();
@@ -383,17 +383,16 @@ fn program_does_not_panic_if_a_thread_cannot_be_started() {
 }
 
 /// Returns an upper bound of the address space that the program file itself occupies \[kB\]. A test
-/// build is larger than a release build. The memory limits in the tests consist of this size and
-/// the memory of a run: allocator arenas and thread stacks, which take 16 MiB each if debug
-/// assertions are enabled.
+/// build is larger than a release build. Each memory limit in the tests is the sum of this size and
+/// the memory of a run, which consists of allocator arenas and thread stacks of 16 MiB each if
+/// debug assertions are enabled.
 fn program_size_in_kb() -> u64 {
     fs::metadata(env!("CARGO_BIN_EXE_bsm")).expect("the program").len() / 1000
 }
 
-/// At every memory limit, the program must succeed or exit with code 1. If the limit is too low to
-/// start any process, the shell and the loader report this with codes 126 and 127. Just above this
-/// limit, Rust's runtime aborts before `main`, because it cannot allocate the stack for signal
-/// handlers.
+/// For any memory limit, the program must succeed or exit with code 1. If the limit is too low to
+/// start any process, the shell and the loader exit with codes 126 and 127. Just above this limit,
+/// Rust's runtime aborts before `main`, because it cannot allocate the stack for signal handlers.
 #[test]
 fn program_does_not_panic_if_memory_is_low() {
     let dir = folder();
@@ -446,8 +445,8 @@ fn a_file_above_the_size_limit_is_reported() {
     );
 }
 
-/// If the program reaches the limit of open files, it must report this. With a sufficient limit, it
-/// must succeed.
+/// If the program reaches the limit of open files, it must report this error. With a sufficient
+/// limit, it must succeed.
 #[test]
 fn exceeded_limit_of_open_files_is_reported() {
     let dir = folder();
@@ -559,7 +558,7 @@ fn reading_an_endless_device_stops_at_the_size_limit() {
     assert_exit_and_message(&output, 2, "standard input: is larger than 1 MiB");
 }
 
-/// Regression test: every nut of a catalog was held in memory several times, which took 2.7 GB for
+/// Regression test: every nut in a catalog was held in memory several times, which took 2.7 GB for
 /// five million nuts.
 #[test]
 fn memory_needed_for_a_large_catalog_is_less_than_one_copy_of_its_table() {
@@ -592,8 +591,9 @@ fn memory_needed_for_a_large_catalog_is_less_than_one_copy_of_its_table() {
     assert!(masses.is_sorted());
 }
 
-/// Regression test: earlier versions printed "thrust of NaN N" for jamming, calculated a life of 0
-/// for a load spectrum of 1e300 N, and began a grid over the whole range of doubles with NaN.
+/// Regression test: earlier versions printed "thrust of NaN N" in the jamming report, calculated a
+/// life of 0 for a load spectrum of 1e300 N, and returned NaN as the first value of a grid over the
+/// whole range of doubles.
 #[test]
 fn messages_and_results_do_not_contain_nan() {
     let dir = folder();
@@ -682,8 +682,8 @@ fn numbers_in_a_row_have_a_uniform_format() {
     }
 }
 
-/// Regression test: the program printed a friction direction of 3.3562e-13 deg and a spin of
-/// 3.5594e-14 rad/s.
+/// Regression test: the program printed rounding errors, such as a friction direction of 3.3562e-13
+/// deg and a spin of 3.5594e-14 rad/s, instead of zero.
 #[test]
 fn rounding_errors_are_not_printed_as_results() {
     let dir = folder();
@@ -708,7 +708,8 @@ fn rounding_errors_are_not_printed_as_results() {
 }
 
 /// Regression test: while the program waited for standard input, it did not handle the first
-/// interrupt until more input arrived. At the second interrupt, it left its temporary file behind.
+/// interrupt until more input arrived. When a second interrupt ended the program, it left its
+/// temporary file behind.
 #[test]
 fn an_interrupt_is_handled_while_waiting_for_input() {
     let dir = folder();

@@ -343,8 +343,8 @@ fn outputs_with_equal_names_have_equal_values_in_all_commands() {
     }
 }
 
-/// Regression test: every solve with a lubricant printed a warning about which the user could do
-/// nothing. This information is now a note.
+/// Regression test: every solve with a lubricant printed a warning that required no action. This
+/// information is now a note.
 #[test]
 fn lubricated_solve_prints_a_note_instead_of_a_warning() {
     let dir = folder();
@@ -389,7 +389,7 @@ fn violated_rule_is_met_after_any_suggested_remedy_is_applied() {
 }
 
 /// A load cycle in a user's table with semicolons, decimal commas and kilonewtons must have the
-/// same effect as the same cycle in the case.
+/// same effect as an identical cycle in the case.
 #[test]
 fn load_cycle_is_read_from_a_users_table() {
     let dir = folder();
@@ -473,8 +473,8 @@ fn input_names_may_end_with_any_unit() {
     assert!(stderr(&output).contains("did you mean `axial_load_N`"), "{}", stderr(&output));
 }
 
-/// Regression test: for the names `eff` and `speed`, the message contained no suggestion or a wrong
-/// suggestion.
+/// Regression test: for the unknown names `eff` and `speed`, the error message contained no
+/// suggestion or a wrong suggestion.
 #[test]
 fn full_names_are_suggested_for_short_or_incomplete_names() {
     let dir = folder();
@@ -500,8 +500,8 @@ fn full_names_are_suggested_for_short_or_incomplete_names() {
     assert!(stderr(&output).contains("`screw_speed_rpm`"), "{}", stderr(&output));
 }
 
-/// Regression test: other commands rejected nuts from the catalog and screws that `bsm select` had
-/// designed.
+/// Regression test: nuts from the catalog, and screws that `bsm select` had designed, were rejected
+/// by other commands.
 #[test]
 fn every_command_accepts_a_selected_nut() {
     let dir = folder();
@@ -530,8 +530,8 @@ fn every_command_accepts_a_selected_nut() {
     }
 }
 
-/// Regression test: `axis` checked the same contact ellipse with three different rules, and `--show
-/// ellipses` with none.
+/// Regression test: `axis` checked a contact ellipse with three different rules, and `--show
+/// ellipses` did not check it at all.
 #[test]
 fn each_contact_ellipse_that_extends_beyond_its_flank_is_reported_exactly_once() {
     let dir = folder();
@@ -581,7 +581,7 @@ fn every_command_prints_a_note_about_missing_churning_losses() {
 }
 
 /// For two catalog screws on the same axis, the comparison must state which offer is better under
-/// each rule and list the inputs that differ.
+/// each rule, and must list the inputs that differ.
 #[test]
 fn two_offers_are_compared_side_by_side() {
     let dir = folder();

@@ -19,8 +19,8 @@ fn run(folder: &Path, args: &[&str], code: i32) -> (String, String) {
     (stdout(&output), stderr(&output))
 }
 
-/// Regression test: there were no options for semicolons, decimal commas and other column names,
-/// and `1.500` was read as 1.5 without a message.
+/// Regression test: there were no options for semicolons, decimal commas and user-defined column
+/// names, and `1.500` was read as 1.5 without a message.
 #[test]
 fn user_table_with_other_separators_and_names_is_read() {
     let dir = folder();
@@ -223,7 +223,7 @@ fn workbooks_keep_all_digits_of_64_bit_integers() {
 }
 
 /// A workbook must contain the column names, the units, the numbers of the CSV table, and a
-/// description of their origin.
+/// description of how the numbers were calculated.
 #[test]
 fn workbooks_contain_units_and_the_numbers_of_the_csv_table() {
     let dir = folder();
@@ -362,8 +362,8 @@ fn a_sweep_notes_where_auto_changes_the_model() {
     assert!(!note.contains("more"), "{note}");
 }
 
-/// With inch units, the names, units and numbers of sweep columns must be converted, and so must
-/// the axes of plots. It must also be possible to request a column in another unit.
+/// If inch units are selected, the names, units and numbers of sweep columns and the axes of plots
+/// must be converted. It must also be possible to request a single column in another unit.
 #[test]
 fn sweep_columns_and_plots_use_display_units() {
     let dir = folder();
@@ -426,7 +426,7 @@ fn sweep_columns_and_plots_use_display_units() {
 }
 
 /// If the separator of a load cycle or a list of nuts is a semicolon, the error message must
-/// suggest the options `--delimiter` and `--decimal`. The option `--names` must also apply to the
+/// suggest the options `--delimiter` and `--decimal`. The option `--names` must also work for the
 /// columns of a load cycle.
 #[test]
 fn error_for_semicolon_separated_file_suggests_the_delimiter() {

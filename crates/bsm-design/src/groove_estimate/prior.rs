@@ -22,7 +22,7 @@ pub struct Prior {
     /// Factors for lead and nominal diameter. The smaller of the two products is the typical ball
     /// diameter.
     usual_ball: (f64, f64),
-    /// Median and logarithmic standard deviation of the loaded share of a turn, for every
+    /// Median and logarithmic standard deviation of the loaded fraction of a turn, for every
     /// [`BallReturn`] in the order of [`BallReturn::ALL`].
     loaded_shares: [(f64, f64); 3],
 }
@@ -125,8 +125,8 @@ const TURNS: [(f64, [f64; 3]); 23] = [
     (10.0, [0.0, 0.0, 0.0]),
 ];
 
-/// Lower limit of the fitted logarithmic standard deviation of a loaded share. It corresponds to
-/// rounding to a whole number of balls in a turn of 20 balls.
+/// Lower limit of the fitted logarithmic standard deviation of the loaded fraction of a turn. It
+/// corresponds to rounding to a whole number of balls in a turn of 20 balls.
 const MIN_SHARE_DEVIATION: f64 = 0.05;
 
 /// Fraction of the prior probability of a ball return that is distributed equally among all numbers
@@ -141,8 +141,9 @@ const MIN_RETURN_WEIGHT: f64 = 1e-3;
 const BALL_SIZE: [(f64, Normal); 2] =
     [(0.94, Normal { mean: 0.0, deviation: 0.13 }), (0.06, Normal { mean: 0.0, deviation: 0.35 })];
 
-/// Distribution of the excess `$e$` of the dynamic rating relative to the static rating. The
-/// components are ratings by ISO 3408-5, a wide tail, and ratings raised for clean steel.
+/// Distribution of the excess `$e$` of the dynamic rating relative to the static rating. Its
+/// components describe ratings according to ISO 3408-5, a wide tail, and ratings that are raised
+/// for clean steel.
 const EXCESS: [(f64, Normal); 3] = [
     (0.82, Normal { mean: 0.0, deviation: 0.028 }),
     (0.08, Normal { mean: -0.10, deviation: 0.15 }),
@@ -168,7 +169,7 @@ const CONFORMITY_OVER_HALF: f64 = 0.02;
 /// Standard deviation of the logarithm of the conformity minus 1/2.
 const CONFORMITY_LN_DEVIATION: f64 = 0.35;
 
-/// Smallest and largest conformity that a draw may have.
+/// Smallest and largest conformity that a random groove geometry (draw) may have.
 const CONFORMITIES: (f64, f64) = (0.505, 0.56);
 
 /// Distribution of the contact angle \[deg\].
@@ -178,14 +179,14 @@ const CONTACT_ANGLE: Normal = Normal { mean: 45.0, deviation: 2.5 };
 /// the number that follows from the ratings.
 const LOADED_BALLS_LN_DEVIATION: f64 = 0.05;
 
-/// Type of ball return, which determines the loaded share of a turn.
+/// Type of ball return, which determines the loaded fraction of a turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BallReturn {
-    /// Cassettes and end caps, with which nearly all balls of a turn are loaded.
+    /// Ball returns by cassettes and end caps, with which nearly all balls of a turn are loaded.
     FullTurn,
     /// Return tubes.
     Tube,
-    /// Deflectors, each of which returns the balls of a single turn.
+    /// Ball returns by deflectors, each of which returns the balls of a single turn.
     Deflector,
 }
 
@@ -211,8 +212,9 @@ impl Prior {
         loaded_shares: [(0.91, 0.18), (0.72, 0.09), (0.60, 0.12)],
     };
 
-    /// Fits the prior to catalog rows. If there are no rows for a type of ball return, all numbers
-    /// of turns get equal weights for this type, and the loaded share keeps its default value.
+    /// Fits the prior to catalog rows. If there are no rows with a certain type of ball return, all
+    /// numbers of turns get equal weights for this type, and its loaded fraction of a turn keeps
+    /// the default value.
     pub fn fitted(rows: &[KnownGroove]) -> Self {
         let total = |wanted: &dyn Fn(&KnownGroove) -> bool| -> f64 {
             rows.iter().filter(|row| wanted(row)).map(|row| row.weight).sum()

@@ -11,18 +11,20 @@ use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings, 
 pub(super) struct Contacts {
     /// Friction torque at the screw \[N·m\], positive; `None` if the model has no solution.
     pub(super) friction: Option<f64>,
-    /// Friction torques of the nut contacts and of the screw contacts \[N·m\]. They are equal if
-    /// the model does not distinguish the contacts, and 0 if there is no torque.
+    /// Friction torques of the nut contacts and of the screw contacts \[N·m\]. The two torques are
+    /// equal if the model does not distinguish between the contacts, and 0 if there is no friction
+    /// torque.
     pub(super) at_raceways: [f64; 2],
-    /// Friction torque of the third contacts \[N·m\]; `None` if the balls have two contacts.
+    /// Friction torque of the third contacts, which are on the far flanks \[N·m\]; `None` if the
+    /// balls have only two contacts.
     pub(super) third: Option<f64>,
     /// Name of the model that was used, or the reason why there is no torque.
     pub(super) text: String,
 }
 
 impl Contacts {
-    /// Creates a result in which nut contacts and screw contacts each cause half of the friction
-    /// torque.
+    /// Creates a result in which the nut contacts and the screw contacts each account for half of
+    /// the friction torque.
     fn halved(friction: f64, text: impl Into<String>) -> Self {
         let at_raceways = [0.5 * friction; 2];
         Self { friction: Some(friction), at_raceways, third: None, text: text.into() }
@@ -34,7 +36,7 @@ impl Contacts {
     }
 }
 
-/// Calculates the nut of an axis, including the loads of all balls, under a given axial load.
+/// Solves the nut of an axis, including the loads of all balls, under a given axial load.
 pub(super) fn nut_at(
     case: &Case,
     settings: &Settings,

@@ -13,7 +13,7 @@ use crate::case::axis::AxisModel;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{Case, InputKey, format_trimmed};
 
-/// Effect of the load at standstill on the screw after a loss of motor power.
+/// Effect that the load at standstill has on the screw after a loss of motor power.
 pub(super) struct PowerLoss {
     /// Back-driving torque at the screw, calculated with the given friction \[N·m\].
     pub(super) nominal: f64,
@@ -33,8 +33,8 @@ pub(super) struct Stop {
     pub(super) distance: f64,
 }
 
-/// The start or end of a phase at which the motor torque or the utilization of the motor is
-/// largest.
+/// The start or end of a phase at which the motor torque, or the utilization of the motor, reaches
+/// its maximum.
 pub(super) struct MotorPeak {
     /// Axial load, including the force that accelerates the moved mass \[N\].
     pub(super) load: f64,
@@ -57,7 +57,7 @@ impl MotorPeak {
 }
 
 impl AxisState<'_> {
-    /// Returns the start or end of a phase at which a number has the largest magnitude.
+    /// Returns the start or end of a phase at which a quantity has its largest magnitude.
     pub(super) fn motor_peak(
         &self,
         number: impl Fn(&Self, &Torques) -> Option<f64>,
@@ -106,8 +106,8 @@ impl AxisState<'_> {
         self.machine.has_inertia().then(|| self.machine.drive.load_inertia())
     }
 
-    /// Returns the data needed to calculate how the load at standstill drives the screw after a
-    /// loss of motor power.
+    /// Returns the data for calculating how the load at standstill drives the screw after a loss of
+    /// motor power.
     pub(super) fn back_driven_screw(&self) -> BackDrivenScrew {
         self.machine.drive.back_driven_screw(self.machine.rest_load.abs())
     }
@@ -157,8 +157,8 @@ impl AxisState<'_> {
         self.power_loss.get_or_init(|| self.at_power_loss()).as_ref()
     }
 
-    /// Returns the acceleration of a falling load \[m/s²\] and the speed of the screw after a fall
-    /// over the stroke \[rpm\], or `None` if friction holds the load.
+    /// Returns the acceleration of a falling load \[m/s²\] and the screw speed after the load has
+    /// fallen over the full stroke \[rpm\], or `None` if friction holds the load.
     pub(super) fn fall(&self) -> Option<(f64, f64)> {
         let driving = self.power_loss()?.nominal;
         let acceleration = self.back_driven_screw().acceleration(driving);
@@ -166,7 +166,7 @@ impl AxisState<'_> {
         (driving > 0.0).then(|| (acceleration, feed / self.machine.advance() / RPM))
     }
 
-    /// Returns the time in which a given motor torque accelerates the axis to its largest speed
+    /// Returns the time that a given motor torque takes to accelerate the axis to its largest speed
     /// \[s\].
     pub(super) fn least_ramp(&self, torque: f64) -> Option<f64> {
         let AxisModel { drive, axis, .. } = &self.machine;
@@ -182,7 +182,8 @@ impl AxisState<'_> {
         least_acceleration_time(drive.inertia(), speed, torque, load)
     }
 
-    /// Returns the time to reach the largest speed at the largest acceleration of the cycle \[s\].
+    /// Returns the time that the axis takes to reach its largest speed at the largest acceleration
+    /// of the cycle \[s\].
     pub(super) fn shortest_ramp(&self) -> Option<f64> {
         let sizes = self.axis().phases.iter().map(|phase| phase.acceleration.abs());
         let most = sizes.fold(0.0, f64::max);
@@ -206,7 +207,8 @@ impl AxisState<'_> {
         Some(self.motor_torque(torques)? / at.peak)
     }
 
-    /// Returns the continuous torque of the motor curve at the mean speed of the motor \[N·m\].
+    /// Returns the continuous torque that the motor curve permits at the mean speed of the motor
+    /// \[N·m\].
     pub(super) fn continuous_torque(&self) -> Option<f64> {
         let speed = self.axis().mean_speed() * self.machine.drive.gear_ratio;
         Some(self.machine.motor_curve.as_ref()?.at(speed)?.continuous)
@@ -221,7 +223,8 @@ impl AxisState<'_> {
     /// (BB5).
     pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
         /// Largest and smallest ratio of the actual friction coefficient to the given friction
-        /// coefficient. The range is wide, because the given coefficient is rarely measured.
+        /// coefficient. The range is wide, because the given coefficient is rarely based on
+        /// measurements.
         const FRICTION_RANGE: [f64; 2] = [2.0, 0.5];
         let (settings, advance) = (self.settings, self.machine.advance());
         let load = self.machine.rest_load.abs();

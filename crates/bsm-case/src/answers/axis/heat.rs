@@ -16,23 +16,25 @@ pub(super) struct Heating {
     /// Temperature rises of nut, screw, balls and both screw ends above the surroundings \[K\], and
     /// the conductances between them. `None` if `axis_heat_transfer_W_K` is given.
     pub(super) nodes: Option<([f64; NODES], Conductances)>,
-    /// Thermal expansion that the screw would have between its bearings with free ends \[m\].
+    /// Thermal expansion that the screw would have between its bearings if its ends were free
+    /// \[m\].
     pub(super) growth: f64,
     /// Mean temperature rise of the screw above the surroundings \[K\].
     pub(super) mean: f64,
     /// Mean temperature rise of the screw above the machine structure that carries its bearings
     /// \[K\].
     pub(super) over_bed: f64,
-    /// Uncertainty band of `mean` \[K\]; `None` for a warm state, which has its own band.
+    /// Uncertainty of `mean` \[K\]; `None` for a warm state, whose uncertainty is calculated
+    /// separately.
     pub(super) band: Option<[f64; 2]>,
 }
 
 /// Mean powers of the heat sources over the cycle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Powers {
-    /// Powers of the heat sources whose torques are given \[W\].
+    /// Powers of the heat sources for which a torque is given \[W\].
     pub(super) given: HeatSources,
-    /// Powers of the heat sources whose torques are not given, estimated from typical torques
+    /// Powers of the heat sources for which no torque is given, estimated from typical torques
     /// \[W\].
     pub(super) missing: HeatSources,
 }
@@ -58,7 +60,7 @@ impl Heating {
     /// Returns the temperatures of an axis without a warm state, or `None` if friction or the
     /// length of the screw is unknown.
     ///
-    /// * `expansion`: relative thermal expansion of the screw per kelvin \[1/K\].
+    /// * `expansion`: coefficient of thermal expansion of the screw \[1/K\].
     pub(super) fn of(
         case: &Case,
         settings: &Settings,

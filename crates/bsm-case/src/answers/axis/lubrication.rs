@@ -9,7 +9,7 @@ use bsm_design::{Contamination, usual_fatigue_limit};
 pub(super) struct Lubrication {
     /// Kinematic viscosity of the warm lubricant \[m²/s\].
     pub(super) viscosity: f64,
-    /// Fatigue load limit \[N\].
+    /// Fatigue load limit for the modified life \[N\].
     pub(super) fatigue_limit: f64,
     /// Typical, smallest and largest contamination factor.
     pub(super) contamination: [f64; 3],

@@ -19,20 +19,18 @@ use crate::{CaseError, InputKey, MissingInput, NutReport, format_digits, format_
 /// short strokes (HIWIN BS-08-2, F 3.10).
 const SHORT_STROKE: (f64, f64) = (3.0, 3.0);
 
-/// Speed number above which the manufacturer must approve the grease \[mm/min\] (value from common
-/// practice).
+/// Speed number \[mm/min\] above which the manufacturer must approve the grease (common practice).
 const GREASE_SPEED_NUMBER_MM_MIN: f64 = 100e3;
 
-/// Steady-state temperature rise above which cooling is recommended \[K\] (value from common
-/// practice).
+/// Steady-state temperature rise \[K\] above which cooling is recommended (common practice).
 const HIGH_RISE_K: f64 = 40.0;
 
 /// Range of the ratio of nut speed to critical screw speed in which a driven nut can excite the
 /// screw (common recommendation).
 const RESONANCE_RATIOS: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 
-/// Upper limit of the ratio between the two viscosity ratios that follow from the film thickness
-/// and from the viscosity. Above this limit, a note states both viscosity ratios.
+/// Upper limit for the ratio of two viscosity ratios, one based on the film thickness and one based
+/// on the viscosity. Above this limit, a note states both viscosity ratios.
 const VISCOSITY_RATIO_FACTOR: f64 = 3.0;
 
 impl AxisState<'_> {
@@ -145,8 +143,8 @@ impl AxisState<'_> {
         hot.into_iter().chain(long).chain(resonance).chain(others).collect()
     }
 
-    /// Returns warnings about a cycle that does not return to its start or that contains speed
-    /// jumps.
+    /// Returns warnings about a cycle that does not return to its starting position or that
+    /// contains speed jumps.
     fn about_cycle(&self) -> impl Iterator<Item = String> + use<> {
         // Differences below a millionth of the travel range are rounding errors.
         const ROUNDING: f64 = 1e-6;
@@ -263,7 +261,7 @@ impl AxisState<'_> {
         notes
     }
 
-    /// Returns a description of each result that is incomplete because an input is not given.
+    /// Returns a description of each result that is incomplete because an input is missing.
     pub(super) fn not_given(&self) -> Vec<MissingInput> {
         let mut all = Vec::new();
         let mut lack = |numbers: &[&'static str], text: String| {
@@ -328,8 +326,8 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns a warning if the screw is safe against buckling only with the default end conditions
-    /// of the section that may buckle.
+    /// Returns a warning if the screw is safe against buckling only with the end conditions that
+    /// are assumed by default for the section that may buckle.
     fn buckles_by_support(&self) -> Option<String> {
         let required = self.case.value_or_default(InputKey::required_buckling_safety)?;
         let (safety, of_support) =
@@ -343,7 +341,7 @@ impl AxisState<'_> {
         })
     }
 
-    /// Returns a note on the life if the stroke is only a few nut lengths.
+    /// Returns a note on the life for a stroke that is only a few nut lengths long.
     pub(super) fn short_stroke(&self) -> Option<String> {
         let stroke = self.machine.stroke?;
         let (lengths, factor) = SHORT_STROKE;
@@ -413,8 +411,8 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns a note that states the torque to measure when the preload is verified, and the
-    /// tolerance of this torque.
+    /// Returns a note that states the drag torque to be measured when the preload is verified, and
+    /// the tolerance of this torque.
     pub(super) fn to_measure(&self) -> Option<String> {
         let torque = self.preload.as_ref()?.by_rule;
         let seal = self.case.seal_torque_Nm.unwrap_or(0.0);

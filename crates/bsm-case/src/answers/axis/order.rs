@@ -116,13 +116,14 @@ impl AxisState<'_> {
         order
     }
 
-    /// Returns the permitted variation of the torque that verifies the preload \[%\].
+    /// Returns the permitted variation of the drag torque that is measured to verify the preload
+    /// \[%\].
     pub(super) fn torque_percent(&self) -> Option<f64> {
         self.torque_tolerance().percent(self.preload.as_ref()?.by_rule)
     }
 
-    /// Returns a limit of the torque that verifies the preload \[N·m\]: the lower limit if `side`
-    /// is -1, and the upper limit if `side` is 1.
+    /// Returns one of the limits for the drag torque that is measured to verify the preload
+    /// \[N·m\]: the lower limit if `side` is -1, and the upper limit if `side` is 1.
     pub(super) fn torque_by(&self, side: f64) -> Option<f64> {
         self.torque_tolerance().end(self.preload.as_ref()?.by_rule, side)
     }
@@ -135,7 +136,7 @@ impl AxisState<'_> {
         }
     }
 
-    /// Returns the travel compensation over the stroke of a pretensioned screw \[mm\].
+    /// Returns the travel compensation of a pretensioned screw over its stroke \[mm\].
     pub(super) fn travel_compensation(&self) -> Option<f64> {
         let kelvin = self.pretension()?.stretched;
         Some(-self.expansion()? * self.machine.stroke? / MM * kelvin)

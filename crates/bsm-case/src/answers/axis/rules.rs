@@ -19,7 +19,7 @@ use crate::{
 /// Title of the rule that requires a warm steady state to exist.
 const STEADY_STATE: &str = "steady state";
 
-/// Smallest permitted ratio of the speed at thermal runaway to the speed of the axis.
+/// Smallest permitted ratio of the speed at which thermal runaway occurs to the speed of the axis.
 const FOLD: f64 = 1.25;
 
 /// Quantities that the rules of an axis check.
@@ -31,12 +31,12 @@ struct RuleInputs<'a> {
     edge_load: Option<f64>,
     preload: Option<&'a Preload>,
     required_life: Option<RequiredLife>,
-    /// Peaks of the motor torque and of the utilization of the torque-speed curve.
+    /// Largest motor torque, and largest utilization of the torque-speed curve of the motor.
     motor_peaks: [Option<MotorPeak>; 2],
 }
 
 impl RuleInputs<'_> {
-    /// Returns an output of the axis sheet, if it is known.
+    /// Returns an output of the axis sheet, or `None` if it is not known.
     fn number(&self, name: OutputName) -> Option<f64> {
         self.numbers.number(name)
     }
@@ -47,8 +47,8 @@ impl RuleInputs<'_> {
         Some(self.required_life?.time(lead, mean_speed) / 3600.0)
     }
 
-    /// Describes the dynamic load rating that would meet the required life, in the rating basis of
-    /// the manufacturer.
+    /// Describes the dynamic load rating that would give the required life, stated in the rating
+    /// basis of the manufacturer.
     fn needed_rating(&self, margin: f64) -> String {
         let needed = self.axis.dynamic_rating / margin.cbrt();
         let basis = self.case.entries.rating_basis.map(|Named(basis)| basis);
@@ -74,14 +74,14 @@ impl RuleInputs<'_> {
         self.number(output!(shaft_diameter_mm)).unwrap_or(f64::NAN)
     }
 
-    /// Returns an output that is required if `condition` is not `None`. A missing output is
-    /// returned as NaN, which violates the rule.
+    /// Returns an output that must exist if `condition` is not `None`. If the output is missing,
+    /// NaN is returned, which violates the rule.
     fn required_if(&self, name: OutputName, condition: Option<f64>) -> Option<f64> {
         condition.map(|_| self.number(name).unwrap_or(f64::NAN))
     }
 
-    /// Returns an output. If the limit is given but the output cannot be calculated, returns NaN,
-    /// which violates the rule.
+    /// Returns an output for comparison with its limit. If the limit is given but the output cannot
+    /// be calculated, NaN is returned, which violates the rule.
     fn number_or_nan_if_limited(&self, name: OutputName, limit: K) -> Option<f64> {
         self.number(name).or(self.case[limit].map(|_| f64::NAN))
     }
@@ -97,8 +97,8 @@ impl RuleInputs<'_> {
         self.case.has_speed() && self.axis.fastest() > 0.0
     }
 
-    /// Returns the source of the buckling rule. It names the end conditions, states whether they
-    /// are the default, and contains the safety factor for the end conditions in `support`.
+    /// Returns the source of the buckling rule. The text names the end conditions, states whether
+    /// they are the default, and gives the safety factor for the end conditions in `support`.
     fn buckling_source(&self) -> String {
         let Some(shaft) = &self.axis.shaft else { return String::new() };
         let by_default =
@@ -112,8 +112,8 @@ impl RuleInputs<'_> {
         )
     }
 
-    /// Changes the buckling rule if the load on the screw may be unguided: the rule is then
-    /// undecided unless it is also met with the end conditions in `support`.
+    /// Adapts the buckling rule to a load that may be unguided: the rule is then undecided unless
+    /// it is also met with the end conditions in `support`.
     fn with_unguided_load(&self, mut rule: Criterion) -> Criterion {
         if rule.name == output!(buckling_safety).name()
             && mount(self.case).may_be_unguided()
@@ -133,9 +133,9 @@ impl RuleInputs<'_> {
         rule
     }
 
-    /// Describes the remedies of a buckling safety factor that is too small.
+    /// Describes remedies for a buckling safety factor that is too small.
     ///
-    /// * `margin`: safety factor / smallest permitted safety factor.
+    /// * `margin`: ratio of the safety factor to the smallest permitted safety factor.
     fn remedy_of_buckling(&self, margin: f64) -> String {
         format!(
             "unsupported_length_mm of at most {}, or a core diameter of at least {} mm",
@@ -156,8 +156,8 @@ impl RuleInputs<'_> {
         }
     }
 
-    /// Returns the pretension at which the tension of the cold screw equals the compression of the
-    /// warm screw, expressed as a temperature difference \[K\]. Returns `None` if the support
+    /// Returns the pretension, expressed as a temperature difference \[K\], at which the tension in
+    /// the cold screw equals the compression in the warm screw. Returns `None` if the support
     /// bearings cannot carry the load at this pretension.
     fn balanced_pretension(&self) -> Option<f64> {
         let rise = self.number(output!(pretension_for_no_slack_K)).filter(|rise| *rise > 0.0)?;
@@ -167,16 +167,16 @@ impl RuleInputs<'_> {
         (load <= self.case.support_bearing_axial_load_N?).then_some(0.5 * rise)
     }
 
-    /// Describes the remedies of a peak torque of the motor that is too large.
+    /// Describes remedies for a peak motor torque that is too large.
     ///
-    /// * `margin`: permitted torque / torque.
+    /// * `margin`: ratio of the permitted torque to the actual torque.
     fn remedies_of_peak(&self, peak: Option<&MotorPeak>, margin: f64) -> String {
         let accelerates = self.axis.phases.iter().any(|phase| phase.acceleration != 0.0);
         remedies_of_motor(peak, margin, accelerates.then_some("less acceleration"))
     }
 
-    /// Describes the remedies of an RMS torque of the motor that is too large. In a cycle, the
-    /// permitted load cannot be stated, because the RMS torque depends on all phases.
+    /// Describes remedies for an RMS motor torque that is too large. For a cycle, no permitted load
+    /// can be stated, because the RMS torque depends on all phases.
     ///
     /// * `margin`: permitted torque / torque.
     fn remedies_of_rms(&self, margin: f64) -> String {
@@ -185,7 +185,7 @@ impl RuleInputs<'_> {
         remedies_of_motor(peak, margin, has_cycle.then_some("longer dwells"))
     }
 
-    /// Returns the largest permitted preload for the preload method of the nut \[N\].
+    /// Returns the largest preload that is permitted for the preload method of the nut \[N\].
     fn most_preload(&self) -> f64 {
         preload_method(self.case).share() * self.axis.dynamic_rating
     }
@@ -205,9 +205,9 @@ impl RuleInputs<'_> {
     }
 }
 
-/// Describes the remedies of a motor torque that is too large.
+/// Describes remedies for a motor torque that is too large.
 ///
-/// * `other`: a remedy that applies to this axis.
+/// * `other`: a further remedy that applies to this axis.
 fn remedies_of_motor(peak: Option<&MotorPeak>, margin: f64, other: Option<&str>) -> String {
     let load = peak.and_then(|peak| {
         let most = at_most(peak.load_at(margin)?, 0);
@@ -247,8 +247,7 @@ fn quantity(name: &str) -> Option<&'static Quantity> {
 ///
 /// * `name`: name of the quantity.
 /// * `at_least`: true if the limit is a minimum, false if it is a maximum.
-/// * `remedy`: function that describes a remedy for a violated rule, based on the margin of the
-///   rule.
+/// * `remedy`: function that takes the margin of a violated rule and describes a remedy.
 fn criterion(
     [title, name]: [&'static str; 2],
     source: Cow<'static, str>,
@@ -282,8 +281,8 @@ fn criterion(
     Some(rule)
 }
 
-/// Declares rules: `"title" quantity at_most limit, "source", remedy;`. An optional `= value,`
-/// after the quantity replaces the value from the axis sheet.
+/// Declares rules in the form `"title" quantity at_most limit, "source", remedy;`. An optional `=
+/// value,` after the quantity replaces the value from the axis sheet.
 macro_rules! rules {
     ($(#[$doc:meta])* $rules:ident($of:ident, $margin:ident) $titles:ident: $(
         $title:literal $name:ident $(= $value:expr,)? $bound:ident $limit:expr, $source:expr, $remedy:expr;
@@ -484,7 +483,8 @@ pub(crate) fn rule_titles() -> impl Iterator<Item = &'static str> + Clone {
 
 /// Returns the rules of an axis that can be checked.
 ///
-/// * `fold`: ratio of the screw speed at the fold to the given speed.
+/// * `fold`: ratio of the highest screw speed with a thermal steady state (the fold) to the given
+///   speed.
 /// * `preload`: cold and warm preload \[N\].
 /// * `motor_peaks`: peaks of the motor torque and of the utilization of the torque-speed curve.
 pub(super) fn rules(

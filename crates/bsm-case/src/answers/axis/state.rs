@@ -31,8 +31,8 @@ pub(crate) struct AxisState<'a> {
     pub(super) case: &'a Case,
     pub(super) settings: &'a Settings,
     pub(super) machine: AxisModel,
-    /// Nut with all its balls under the largest load. If the nut has no solution, `no_nut` contains
-    /// the reason.
+    /// Nut with all its balls under the largest load. If there is no solution for the nut, `no_nut`
+    /// contains the reason.
     pub(super) nut: Option<NutReport>,
     pub(super) no_nut: Option<CaseError>,
     pub(super) preload: Option<Preload>,
@@ -148,7 +148,7 @@ impl<'a> AxisState<'a> {
         self.machine.axis.shaft.as_ref()
     }
 
-    /// Returns the life under the cycle.
+    /// Returns the life under the duty cycle.
     pub(super) fn life(&self) -> Option<Life> {
         self.machine.life()
     }
@@ -158,13 +158,13 @@ impl<'a> AxisState<'a> {
         self.machine.held.filter(|held| held.stretched > 0.0)
     }
 
-    /// Returns the relative thermal expansion of the screw per kelvin \[1/K\].
+    /// Returns the coefficient of thermal expansion of the screw \[1/K\].
     pub(super) fn expansion(&self) -> Option<f64> {
         Some(self.case.value_or_default(InputKey::thermal_expansion_um_m_K)? * UM)
     }
 
-    /// Returns the temperature rise of the screw above the bed \[K\], either given or from the
-    /// steady state.
+    /// Returns the temperature rise of the screw above the machine bed \[K\], which is either given
+    /// or calculated from the steady state.
     pub(super) fn rise(&self) -> Option<f64> {
         self.given_rise().or(self.heating.map(|heating| heating.over_bed))
     }
@@ -176,8 +176,8 @@ impl<'a> AxisState<'a> {
         given.filter(|_| self.warm.is_none())
     }
 
-    /// Returns the tension of the screw \[N\]: the given tension, the tension in the warm state, or
-    /// the pretension that remains after the temperature rise.
+    /// Returns the tension of the screw \[N\], which is given, taken from the warm state, or
+    /// calculated as the pretension that remains after the temperature rise.
     pub(super) fn tension(&self) -> Option<f64> {
         let by_rise = || Some(self.machine.held?.tension(self.rise()?));
         self.case.screw_tension_N.or_else(by_rise)
@@ -193,9 +193,9 @@ impl<'a> AxisState<'a> {
         self.preload.as_ref()?.unloaded.as_ref()?.number(name)
     }
 
-    /// Returns the static safety factor, which is the smaller of two values: one from the static
-    /// load rating, and one from the most heavily loaded ball. The second value is scaled to the
-    /// manufacturer's rating, if such a rating is given.
+    /// Returns the static safety factor, which is the smaller of two values: one based on the
+    /// static load rating, and one based on the most heavily loaded ball. If the manufacturer's
+    /// rating is given, the second value is scaled to this rating.
     pub(super) fn static_safety(&self) -> f64 {
         let axis = self.axis();
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
@@ -206,7 +206,7 @@ impl<'a> AxisState<'a> {
         axis.static_safety().min(of_balls.unwrap_or(f64::INFINITY))
     }
 
-    /// Returns the modified life at the typical, smallest or largest contamination factor \[h\].
+    /// Returns the modified life for the typical, smallest or largest contamination factor \[h\].
     pub(super) fn modified_life(&self, place: usize) -> Option<f64> {
         self.life()?;
         let Lubrication { fatigue_limit, contamination, .. } = self.lubrication.as_ref()?;
@@ -218,8 +218,8 @@ impl<'a> AxisState<'a> {
         life.map(|time| time / 3600.0)
     }
 
-    /// Returns the viscosity ratios from film thickness and from viscosity, if they are known and
-    /// requested.
+    /// Returns the two viscosity ratios, based on the film thickness and on the viscosity, if they
+    /// are known and requested.
     ///
     /// * `speed`: speed of the screw relative to the nut \[rad/s\].
     /// * `load`: axial load of one nut \[N\].
@@ -253,14 +253,14 @@ impl<'a> AxisState<'a> {
         Some(self.case.entries.accuracy_grade?.grade)
     }
 
-    /// Returns the useful travel, over which the accuracy grade limits the travel error \[m\].
+    /// Returns the useful travel \[m\], for which the accuracy grade limits the travel error.
     pub(super) fn travel(&self) -> Option<f64> {
         useful_travel(self.case)
     }
 
     /// Returns the load on the support bearings in the cold and in the warm state \[N\] (BB7). Each
-    /// load is the sum of the largest axial load and the force of a screw between two fixed
-    /// bearings. The warm load is `None` if the temperature is unknown.
+    /// load is the sum of the largest axial load and the tensile or compressive force of a screw
+    /// between two fixed bearings. The warm load is `None` if the temperature is unknown.
     pub(super) fn bearing_loads(&self) -> Option<[Option<f64>; 2]> {
         let held = self.machine.held?;
         let load = |tension: f64| tension.abs() + self.axis().largest_load();
@@ -299,7 +299,7 @@ impl<'a> AxisState<'a> {
         Some(left * self.free_growth()? / UM)
     }
 
-    /// Returns the thermal expansion that the screw would have with free ends \[m\].
+    /// Returns the thermal expansion that the screw would have if its ends were free \[m\].
     pub(super) fn free_growth(&self) -> Option<f64> {
         match self.given_rise() {
             Some(rise) => Some(self.shaft()?.growth(self.expansion()?, rise)),
@@ -349,8 +349,8 @@ impl<'a> AxisState<'a> {
         Some(self.shaft()?.torsional_stiffness(self.machine.advance(), poisson))
     }
 
-    /// Returns the natural frequency of an axis with the given stiffness and the moving mass of one
-    /// screw \[Hz\], or `None` without a moving mass.
+    /// Returns the natural frequency of an axis with the given stiffness and with the moving mass
+    /// per screw \[Hz\], or `None` without a moving mass.
     pub(super) fn natural_frequency(&self, stiffness: f64) -> Option<f64> {
         let mass = Some(self.machine.drive.mass).filter(|mass| *mass > 0.0)?;
         Some(natural_frequency(stiffness, mass))
@@ -367,8 +367,8 @@ impl<'a> AxisState<'a> {
         Some(self.machine.required_life?.revolutions(lead, mean_speed))
     }
 
-    /// Returns the dynamic load rating, including its modifying factors, that is needed for the
-    /// required life \[N\].
+    /// Returns the dynamic load rating, including its modifying factors, that the required life
+    /// demands \[N\].
     pub(super) fn required_rating(&self) -> Option<f64> {
         let share = self.required_revolutions()? / self.life()?.revolutions;
         Some(self.axis().dynamic_rating * share.cbrt())
@@ -415,9 +415,9 @@ impl<'a> AxisState<'a> {
         self.heaviest_phase().map(PhaseTorques::heavier)
     }
 
-    /// Returns the largest torque at the screw \[N·m\] at the largest load. All starts and ends of
-    /// phases with motion that have this load are considered. It is positive if it acts against the
-    /// load.
+    /// Returns the largest screw torque that occurs at the largest load \[N·m\]. All starts and
+    /// ends of phases with motion that have this load are considered. The torque is positive if it
+    /// acts against the load.
     pub(super) fn torque_at_largest_load(&self) -> Option<f64> {
         let largest = self.heaviest()?.point;
         let moving = self.torques.iter().filter(|torques| torques.phase.moves());
@@ -439,9 +439,9 @@ impl<'a> AxisState<'a> {
     }
 }
 
-/// Calculates the life under the cycle from the loads of all balls \[s\]. By linear damage
-/// accumulation, each phase consumes a fraction of the life that the nut would have if it always
-/// ran under the conditions of this phase.
+/// Calculates the life under the duty cycle from the loads of all balls \[s\]. Linear damage
+/// accumulation is assumed: each phase consumes a fraction of the life that the nut would have if
+/// it ran permanently under the conditions of this phase.
 ///
 /// * `known`: a nut that is already solved, with its load \[N\] and speed \[rad/s\].
 fn life_by_balls(

@@ -33,7 +33,8 @@ const RESULTS: [(&str, OutputName, &[Need]); 7] = [
 /// The torque with a constant friction coefficient or a catalog efficiency does not need the speed.
 const TORQUE: OutputName = output!(screw_torque_Nm);
 
-/// Results that depend neither on the screw nor on its load, such as the resolution of a motor.
+/// Results that depend neither on the screw nor on its load, such as the position resolution of a
+/// motor.
 const OTHER_RESULTS: [OutputName; 3] =
     [output!(stopping_distance_mm), output!(travel_per_step_um), output!(travel_per_count_um)];
 
@@ -78,7 +79,7 @@ impl Need {
 }
 
 impl AxisState<'_> {
-    /// Returns a sentence for each result that is omitted because inputs are missing.
+    /// Returns a sentence for each result that is omitted because of missing inputs.
     pub(super) fn left_out(&self) -> Vec<String> {
         let has_groove = self.machine.groove.is_some() && !self.case.has_estimated_groove();
         let is_met = |need: &Need| {
@@ -107,9 +108,9 @@ impl AxisState<'_> {
 /// Checks that at least one result can be calculated.
 ///
 /// # Errors
-///
-/// Returns a [`CaseError`] that names the smallest set of inputs with which a result could be
-/// calculated. If several results need equally few inputs, the error names all of them.
+/// Returns a [`CaseError`] that names the smallest set of missing inputs for which a result could
+/// be calculated. If several results need equally few inputs, the error names the inputs of all
+/// these results.
 pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
     let has_groove = !case.lacks_groove() && !case.has_estimated_groove();
     let missing = |needs: &[Need]| -> Vec<&'static str> {

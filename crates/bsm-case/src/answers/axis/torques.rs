@@ -1,4 +1,4 @@
-//! Contributions to the screw torque.
+//! Individual contributions to the screw torque.
 
 use std::f64::consts::TAU;
 
@@ -35,11 +35,11 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
 }
 
 number_tables! {
-    /// Parts of the screw torque.
+    /// Contributions to the screw torque.
     pub(crate) TorqueNumbers = TORQUES.iter();
 }
 
-/// Parts of the screw torque in JSON.
+/// Contributions to the screw torque in JSON.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct TorqueParts {
     #[serde(flatten)]
@@ -48,8 +48,8 @@ pub(crate) struct TorqueParts {
     contacts: String,
 }
 
-/// The screw torque and its parts. For a phase of a cycle, the numbers also include the results
-/// that follow from the torque.
+/// The screw torque and its contributions. For a phase of a cycle, results that are derived from
+/// the torque are included.
 #[derive(Debug, Clone)]
 pub struct ScrewTorque {
     /// Screw torque, its contributions, and results derived from the torque.
@@ -93,8 +93,8 @@ pub(crate) struct Torques {
     pub(super) point: PhasePoint,
     pub(super) ideal: f64,
     pub(super) contacts: Contacts,
-    /// Friction torque of ball returns and lubricant due to the preload \[N·m\]. It is added to the
-    /// contact friction.
+    /// Friction torque of the ball returns and the lubricant due to the preload \[N·m\], which is
+    /// added to the contact friction.
     drag: f64,
     seal: f64,
     bearing: f64,
@@ -128,7 +128,7 @@ impl Torques {
         read_torques(self, |_| true)
     }
 
-    /// Returns the friction torque against the motion \[N·m\]. It is positive.
+    /// Returns the friction torque that opposes the motion \[N·m\]. The value is positive.
     pub(super) fn friction(&self) -> Option<f64> {
         Some(self.contacts.friction? + self.drag + self.seal + self.bearing)
     }
@@ -146,7 +146,7 @@ impl Torques {
         Some(sign * self.at_screw()?)
     }
 
-    /// Describes which percentage of the input power each part dissipates.
+    /// Describes the percentage of the input power that each contribution dissipates.
     pub(super) fn costs(&self) -> Option<String> {
         let input = self.at_screw()?.abs().max(self.ideal.abs());
         let parts = [
@@ -167,9 +167,9 @@ impl Torques {
         })
     }
 
-    /// Returns the ratio of output power to input power of the screw, with all contributions to the
-    /// torque. Returns `None` if no work is done, or if the drag exceeds the torque with which the
-    /// load drives the screw.
+    /// Returns the ratio of output power to input power of the screw, including all contributions
+    /// to the torque. Returns `None` if no work is done, or if the friction torque exceeds the
+    /// torque with which the load drives the screw.
     pub(super) fn efficiency(&self) -> Option<f64> {
         let output = self.ideal * self.point.direction();
         let input = self.at_screw()? * self.point.direction();
@@ -238,33 +238,35 @@ impl PhaseTorques {
         })
     }
 
-    /// Returns the torques at the heavier end of the phase (see [`PhasePoint::heavier`]).
+    /// Returns the torques at the more heavily loaded end of the phase (see
+    /// [`PhasePoint::heavier`]).
     pub(super) fn heavier(&self) -> &Torques {
         let [start, end] = &self.ends;
         if start.point.heavier(end.point) == start.point { start } else { end }
     }
 }
 
-/// Preload of a nut and its drag torques on the screw \[N·m\].
+/// Preload of a nut \[N\], and the drag torques that it causes at the screw \[N·m\].
 pub(crate) struct Preload {
     /// Preload as set at assembly, without temperature rises \[N\].
     pub(super) cold: f64,
     /// Preload including the effect of temperature rises \[N\].
     pub(super) warm: f64,
-    /// Drag torque according to the manufacturers' rule. A measurement is expected to give this
-    /// torque.
+    /// Drag torque \[N·m\] according to the manufacturers' rule, which predicts the torque that is
+    /// measured.
     pub(super) by_rule: f64,
     /// Drag torque of the ball contacts only; `None` if friction is not known.
     pub(super) of_contacts: Option<f64>,
-    /// The nut without external load; `None` without friction or motion.
+    /// Solution of the nut without external load; `None` without friction or motion.
     pub(super) unloaded: Option<NutReport>,
-    /// Drag torque of ball returns and lubricant, in addition to the contacts.
+    /// Drag torque of the ball returns and the lubricant, which is added to the drag torque of the
+    /// contacts.
     pub(super) drag_beyond_contacts: f64,
 }
 
 impl Preload {
-    /// Returns the preload and its drag at a speed of the screw relative to the nut \[rad/s\], or
-    /// `None` if the nut is not preloaded.
+    /// Returns the preload and its drag torque at a given speed of the screw relative to the nut
+    /// \[rad/s\], or `None` if the nut is not preloaded.
     pub(super) fn of(
         case: &Case,
         settings: &Settings,
@@ -309,7 +311,7 @@ impl Preload {
 
 /// Calculates the screw torque at the operating point of the case, and its contributions: the load
 /// including weight and guide friction, the ball contacts, the preload, the seals and the support
-/// bearings. Returns `None` without load, speed or friction.
+/// bearings. Returns `None` if load, speed or friction is missing.
 ///
 /// # Errors
 ///
@@ -347,8 +349,8 @@ pub fn torque_parts(
 }
 
 /// Calculates the efficiency of the screw at a moment of a phase, fast enough for a search over
-/// many screws. Even for a preloaded nut, the function solves only one ball that carries an equal
-/// share of the load, and takes the friction torque of the preload from the manufacturers' rule.
+/// many screws. Even for a preloaded nut, the function solves only one ball with an equal share of
+/// the load, and calculates the friction torque due to preload with the manufacturers' rule.
 ///
 /// * `nut`: nut that the case describes.
 pub(crate) fn quick_efficiency(

@@ -1,5 +1,5 @@
-//! Ball train of a nut: the distance by which each ball advances and, if a ball gap is given, the
-//! push forces between the balls.
+//! Ball train of a nut: the distance that each ball advances and, if a ball gap is given, the push
+//! forces between the balls.
 
 use std::borrow::Cow;
 
@@ -41,7 +41,7 @@ pub(super) type TrainResult = Result<Train, String>;
 ///
 /// * `push`: push force as text, with its unit.
 /// * `part`: ratio of the push force to the ball load.
-/// * `of`: kind of ball load with which the push force is compared, `largest` or `mean`.
+/// * `of`: kind of ball load with which the push force is compared, either `largest` or `mean`.
 fn too_large(push: &str, part: f64, of: &str) -> String {
     format!(
         "a push force of {push} between balls is {:.1} % of the {of} ball load; above {:.0} %, push forces change loads and contact angles",
@@ -50,8 +50,8 @@ fn too_large(push: &str, part: f64, of: &str) -> String {
     )
 }
 
-/// Returns a sentence that explains why the friction torque with push forces between the balls is
-/// missing.
+/// Returns a sentence that explains why the friction torque that includes push forces between the
+/// balls is missing.
 pub(super) fn not_pushed(why: &str) -> String {
     format!("The friction torque with push forces between the balls is not calculated: {why}.")
 }
@@ -70,7 +70,7 @@ impl NutProblem {
         if is_pushed { Cow::Owned(self.by_traction()) } else { Cow::Borrowed(self) }
     }
 
-    /// Returns the problem with model `traction`.
+    /// Returns the problem with the `traction` model.
     fn by_traction(&self) -> Self {
         let mut traction = self.clone();
         traction.settings.model = ModelChoice::Fixed(Model::Traction);
@@ -79,9 +79,9 @@ impl NutProblem {
 }
 
 impl NutReport {
-    /// Calculates the distance by which each ball advances relative to the other balls, from the
-    /// motions of free balls. These motions are calculated with model `traction` unless raceway
-    /// control is requested.
+    /// Calculates the distance that each ball advances relative to the other balls, based on the
+    /// motion of each ball without neighbors. This motion is calculated with the `traction` model
+    /// unless raceway control is requested.
     pub(super) fn advance_of(&self, ball_friction: &BallFriction) -> Option<Advance> {
         let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.at_rest);
         let (source, drive) = problem.friction.as_ref()?;

@@ -6,8 +6,8 @@ use crate::format_exact;
 use crate::vocabulary::units::{MM, UM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 
-/// Returns warnings about exceeded limits of the catalog formulas and about unfavorable
-/// proportions.
+/// Returns warnings about unfavorable proportions and about inputs outside the limits of the
+/// catalog formulas.
 pub(super) fn limit_warnings(
     nut: &Nut,
     thread: &Thread,

@@ -1,4 +1,4 @@
-//! Circuits of balls in a nut, and the errors of the balls.
+//! Ball circuits of a nut, and the deviations of the ball diameters.
 
 use std::f64::consts::TAU;
 
@@ -22,7 +22,8 @@ pub(super) const SHORT: [InputKey; 5] = [
     InputKey::phase_deg,
 ];
 
-/// Permitted range of helix angles in a nut \[deg\], which allows thousands of turns.
+/// Permitted range of the helix angles at which circuits begin and end in a nut \[deg\]. The range
+/// is sufficient for thousands of turns.
 const ANGLES: Rule = Rule::Within(-1e6, 1e6);
 
 /// Maximum number of balls of a nut.
@@ -49,7 +50,7 @@ pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
     Nut { balls_per_turn: count(balls) / turns, turns, ..design }
 }
 
-/// Returns the flank of a nut body that the preload of the pair loads.
+/// Returns the flank of a nut body on which the preload of the pair acts.
 fn flank_of(body: usize, arrangement: Arrangement) -> Flanks {
     let first = body.is_multiple_of(2);
     if first == (arrangement == Arrangement::X) { Flanks::Plus } else { Flanks::Minus }

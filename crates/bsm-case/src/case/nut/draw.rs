@@ -6,7 +6,7 @@ use bsm_nut::{BallNut, LeadError};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Draws random ball radii and random phases of the lead errors of a nut.
+/// Draws random ball radii, and random phases for the lead errors of a nut.
 ///
 /// * `deviation`: standard deviation of the ball radius \[m\].
 /// * `number`: index of the nut in the sequence of nuts with this seed.

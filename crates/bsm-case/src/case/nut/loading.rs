@@ -1,4 +1,4 @@
-//! Loads, guidance and preload of a nut.
+//! Loads, constraints and preload of a nut.
 
 use std::array::from_fn;
 
@@ -34,7 +34,7 @@ pub(super) enum Amount {
     Displacement(f64),
 }
 
-/// Returns the kind of preload that results from a preload method.
+/// Returns the kind of preload that a preload method produces.
 pub(super) fn preload_of_bodies(Named(method): Named<PreloadMethod>) -> PreloadKind {
     match method {
         PreloadMethod::DoubleNut | PreloadMethod::Offset => PreloadKind::Offset,
@@ -47,7 +47,8 @@ pub(super) fn is_preloaded(case: &Case) -> bool {
     case.preload_N.is_some() || case.preload_offset_um.is_some()
 }
 
-/// Arrangement of a nut pair if neither an input nor the flanks of the circuits determine it.
+/// Default arrangement of a nut pair, used if neither an input nor the flanks of the circuits
+/// determine the arrangement.
 pub(super) const DEFAULT_ARRANGEMENT: Arrangement = Arrangement::O;
 
 /// Returns the arrangement of a nut pair, either given by name or derived from the sign of the
@@ -64,8 +65,8 @@ pub(super) fn arrangement(case: &Case) -> Result<Option<Arrangement>, CaseError>
     }
 }
 
-/// Returns the arrangement of a nut pair. The loaded flanks determine it, unless every circuit has
-/// both flanks.
+/// Returns the arrangement of a nut pair. It is determined by the loaded flanks of the circuits,
+/// unless every circuit has both flanks.
 fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangement, CaseError> {
     let one_flank = nut.circuits.iter().find(|circuit| circuit.flanks != Flanks::Both);
     let by_flanks = one_flank.map(|circuit| {

@@ -101,20 +101,19 @@ pub(crate) struct NutPreload {
     pub(crate) warm: f64,
     /// Offset or ball oversize that sets the preload \[m\].
     pub(crate) setting: f64,
-    /// Axial displacement of the contacts on each side due to the preload \[m\].
+    /// Axial displacement of the contacts on each side that the preload causes \[m\].
     pub(crate) approach: f64,
 }
 
 impl NutProblem {
-    /// Prepares the nut of a case. If the case has a cycle, the nut is loaded as in the phase with
-    /// the largest load, in agreement with the axis sheet.
+    /// Prepares the nut of a case. If the case has a duty cycle, the nut is solved under the load
+    /// of the phase with the largest load, as for the axis sheet.
     ///
     /// * `settings`: model and solver settings for friction.
     ///
     /// # Errors
-    ///
-    /// Returns [`CaseError`] if an input is missing or violates a rule, or if two inputs give the
-    /// same quantity.
+    /// Returns [`CaseError`] if an input is missing or violates a rule, or if two inputs specify
+    /// the same quantity.
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         settings.check()?;
         let case = &case.with_preload()?;
@@ -300,9 +299,9 @@ impl NutProblem {
 }
 
 impl Case {
-    /// Returns the case at a load and a speed of its axis, without a cycle. A load of zero is valid
-    /// for preloaded nuts. If both parts turn in the case, their speeds keep their ratio; otherwise
-    /// only the driven part turns.
+    /// Returns the case at a given load and speed of its axis, without a cycle. A load of zero is
+    /// valid for preloaded nuts. If both the screw and the nut turn in the case, the ratio of their
+    /// speeds is kept; otherwise, only the driven part turns.
     ///
     /// * `load`: axial load \[N\].
     /// * `speed`: speed of the screw relative to the nut \[rad/s\].
@@ -331,9 +330,10 @@ impl Case {
         case
     }
 
-    /// Returns the case under the largest load of its axis, and a note that states load and speed.
-    /// This is the largest load in the cycle or, without a cycle, the axial load plus the forces of
-    /// moving mass, guides and counterbalance. Returns `None` if the axial load is the only load.
+    /// Returns the case under the largest load of its axis, and a note that states the load and the
+    /// speed. This load is the largest load in the cycle or, without a cycle, the axial load plus
+    /// the forces of moving mass, guides and counterbalance. Returns `None` if no load other than
+    /// the axial load acts.
     ///
     /// # Errors
     ///
@@ -386,8 +386,8 @@ impl Case {
     }
 }
 
-/// Returns the nut without the elasticity of its bodies, and the kind of preload that the nut can
-/// have.
+/// Returns the nut without the elasticity of its bodies, and the kind of preload that can be set
+/// for the nut.
 fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
     let words = &case.entries;
     let radius = 0.5 * MM * case.number(InputKey::ball_diameter_mm);
@@ -467,8 +467,8 @@ fn section_of_screw(case: &Case, diameter: f64) -> f64 {
     0.25 * PI * (diameter.powi(2) - bore.powi(2))
 }
 
-/// If neither load nor preload is given, returns the case of a nut pair whose preload is a typical
-/// fraction of the dynamic load rating. Returns `None` otherwise.
+/// Returns a copy of the case in which the nut is a pair, preloaded with a typical fraction of the
+/// dynamic load rating, if neither a load nor a preload is given. Returns `None` otherwise.
 fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
     if case.is_loaded() {
         return Ok(None);
@@ -479,7 +479,7 @@ fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
 
 /// Returns notes on the interpretation of ambiguous inputs.
 ///
-/// * `usual`: preload \[N\] that is assumed if neither load nor preload is given.
+/// * `usual`: preload \[N\] that is assumed if neither a load nor a preload is given.
 fn notes(
     case: &Case,
     nut: &BallNut,

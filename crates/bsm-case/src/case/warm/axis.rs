@@ -15,10 +15,10 @@ use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::units::RPM;
 use crate::{Case, CaseError, InputKey, NutProblem, Settings};
 
-/// Speed at which manufacturers measure the drag torque of a preload \[rad/s\].
+/// Speed at which manufacturers measure the drag torque due to preload \[rad/s\].
 const SLOW: f64 = 100.0 * RPM;
 
-/// A nut under the conditions under which the preload is set and manufacturers measure the drag
+/// A nut under the conditions under which manufacturers set the preload and measure the drag
 /// torque: cold and at the speed [`SLOW`].
 pub(crate) struct ColdNut {
     problem: NutProblem,
@@ -64,7 +64,8 @@ impl ColdNut {
     }
 
     /// Returns the data for the heat transfer through the balls. The contact areas are calculated
-    /// for the mean ball load under the cold preload or, without a preload, under the largest load.
+    /// for the mean ball load that the cold preload causes or, without a preload, that the largest
+    /// load causes.
     pub(crate) fn link(&self) -> Result<BallLink, CaseError> {
         let mean = match &self.unloaded {
             Some(found) if self.problem.support == Support::guided(0.0) => found.mean_load(),
@@ -75,8 +76,8 @@ impl ColdNut {
         Ok(BallLink::of(&self.nut, radii))
     }
 
-    /// Returns the ratio of drag torque to preload, `$K_x h$` \[m\], for the part of the drag that
-    /// is not due to the contacts. The ratio is 0 without a preload.
+    /// Returns the ratio of drag torque to preload, `$K_x h$` \[m\], for the part of the drag
+    /// torque that is not caused by the contacts. The ratio is 0 without a preload.
     pub(crate) fn drag(&self, case: &Case, machine: &AxisModel) -> f64 {
         if let Some(factor) = case.extra_drag_factor {
             return factor * machine.advance();
@@ -128,7 +129,7 @@ impl<'a> WarmAxis<'a> {
         Ok(Self { case, machine, cold })
     }
 
-    /// Returns the multiple of the given speeds up to which the fold is searched for.
+    /// Returns the upper limit of the search for the fold, as a multiple of the given speeds.
     pub(crate) fn search(&self) -> f64 {
         self.case.number(InputKey::fold_search_factor)
     }
