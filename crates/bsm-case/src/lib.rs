@@ -66,7 +66,7 @@ pub use case::grid::{AxisValues, Grid, GridAxis};
 pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, column_names};
 pub use case::nut::NutProblem;
 pub use case::problem::{ModelChoice, PLAY, Settings};
-pub use case::requirement::{REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile};
+pub use case::requirement::{REQUIREMENT_INPUTS, RequirementFile};
 pub use vocabulary::answer::{
     Answer, Column, Content, Criterion, MissingInput, Section, Table, Verdict,
 };
@@ -79,7 +79,9 @@ pub use vocabulary::input::{Case, INPUTS, InputKey, MAX_EXACT_INTEGER, Rule};
 pub use vocabulary::input_set::{InputSet, derived_input};
 pub use vocabulary::lines::{Lines, OtherSeparator, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;
-pub use vocabulary::names::{GivenNames, entries, json_value_of, nearest_input};
+pub use vocabulary::names::{
+    GivenNames, REQUIREMENT_CHOICES, entries, json_value_of, nearest_input,
+};
 pub use vocabulary::number::{
     format_digits, format_exact, format_interval, format_number, format_short, format_trimmed,
     format_with_interval, write_exact,

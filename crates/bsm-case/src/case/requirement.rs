@@ -14,7 +14,7 @@ use crate::case::axis::{
 use crate::case::cycle::Cycle;
 use crate::case::file::quantity_of;
 use crate::vocabulary::input_set::inputs;
-use crate::vocabulary::names::{GivenNames, json_or_text, wrong_type};
+use crate::vocabulary::names::{GivenNames, REQUIREMENT_CHOICES, json_or_text, wrong_type};
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM, UM, convert};
 use crate::{Case, CaseError, InputKey, InputSet, NameKind, Settings, entries, nearest};
@@ -45,30 +45,6 @@ const USUAL_FRICTION: (f64, [f64; 2]) = (0.06, [0.03, 0.12]);
 
 /// Range of contact angles that are easy to manufacture \[deg\].
 pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
-
-/// Keys with text values, and their permitted values. The first value is the default.
-pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
-    (
-        "motion",
-        &["rotary-to-linear", "linear-to-rotary"],
-        "driving motion: rotation of the screw, or linear motion of the nut",
-    ),
-    (
-        "objective",
-        &["mass", "efficiency", "capacity", "inertia", "power"],
-        "quantity that the search optimizes",
-    ),
-    (
-        "model",
-        &["auto", "traction", "elastic", "raceway-control", "rigid", "quasi-static", "closed-form"],
-        "model that calculates the efficiency",
-    ),
-    (
-        "allow_warnings",
-        &["false", "true"],
-        "true: a selected screw may exceed the recommended limit of 40 K for the temperature rise",
-    ),
-];
 
 /// Axis inputs that are not permitted in a requirement, because they are catalog data, which the
 /// search itself calculates.

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 use super::error::{NameKind, brief};
 use super::units::{is_unit, long_name};
-use crate::{CaseEntries, CaseError, INPUTS, Output, REQUIREMENT_CHOICES};
+use crate::{CaseEntries, CaseError, INPUTS, Output};
 
 /// Words that denote a case in messages about invalid files.
 const CASE_DESCRIPTION: &str =
@@ -158,6 +158,31 @@ impl<'de> Visitor<'de> for UniqueKeys<'_> {
         Ok(Value::Object(entries))
     }
 }
+
+/// Keys of a requirement that have text values, with their permitted values and their meaning. The
+/// first value is the default.
+pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
+    (
+        "motion",
+        &["rotary-to-linear", "linear-to-rotary"],
+        "driving motion: rotation of the screw, or linear motion of the nut",
+    ),
+    (
+        "objective",
+        &["mass", "efficiency", "capacity", "inertia", "power"],
+        "quantity that the search optimizes",
+    ),
+    (
+        "model",
+        &["auto", "traction", "elastic", "raceway-control", "rigid", "quasi-static", "closed-form"],
+        "model that calculates the efficiency",
+    ),
+    (
+        "allow_warnings",
+        &["false", "true"],
+        "true: a selected screw may exceed the recommended limit of 40 K for the temperature rise",
+    ),
+];
 
 /// Beginnings of keys that name a quantity in other words, each with the input to suggest.
 const SYNONYMS: [(&str, &str); 4] = [
