@@ -11,7 +11,7 @@ MOST_STEPS = 8
 
 
 class Case(NamedTuple):
-    """An operating point whose quantities are divided by ball radius, axial load and relative speed W."""
+    """An operating point in dimensionless form, scaled by ball radius, axial load and relative speed W."""
 
     friction: Any
     radius: Any

@@ -178,7 +178,7 @@ mod tests {
     /// End-cap nuts (TBI, SFY) have two circuits, each on its own thread. The length that (D10)
     /// gives is sufficient for their turns, and is at most 1.45 times the catalog length, because
     /// end caps are short. An earlier version counted all turns on a single thread, so that the
-    /// calculated length was up to 2.8 times the catalog length.
+    /// calculated length was too long by a factor of up to 2.8.
     #[test]
     fn usual_length_is_sufficient_for_multi_start_nuts() {
         for (lead, of_a_circuit, printed) in [

@@ -292,9 +292,9 @@ impl DriveTrain {
     /// ```math
     /// T = \frac{j\,(T_s + J_s\dot\Omega)}{i_g\,\eta_g^{\pm1}} + (J_{mot} + J_g)\,i_g\dot\Omega
     /// ```
-    ///
-    /// where the exponent is -1 if the screw drives the motor. At standstill, the motor holds the
-    /// load without the help of friction, unless a brake holds the load.
+    /// In this formula, the exponent of `$\eta_g$` is 1 if the motor drives the screw, and -1 if
+    /// the screw drives the motor. At standstill, the motor holds the load without the help of
+    /// friction, unless a brake holds the load.
     ///
     /// * `point`: operating point, whose load includes the force that accelerates the moving mass.
     /// * `friction`: friction torque that opposes the motion, at one screw \[N·m\].

@@ -387,9 +387,9 @@ impl Calibration {
     }
 
     /// Returns the input on which the residuals depend systematically, or `None` if there is none.
-    /// The points are sorted by each varied input, and the signs of the residuals are counted in
-    /// runs. The input whose number of runs is least probable is returned, if this probability is
-    /// too small for random residuals.
+    /// The points are sorted by each varied input in turn, and the runs of residuals with equal
+    /// signs are counted. The input whose number of runs is least probable is returned, provided
+    /// that this probability is too small for random residuals.
     pub fn systematic(&self, report: &CalibrationReport) -> Option<(InputKey, SignRuns)> {
         let of = |key: InputKey| self.points.iter().map(move |point| point.case[key]);
         let varied = |key: &InputKey| of(*key).any(|value| value != self.points[0].case[*key]);

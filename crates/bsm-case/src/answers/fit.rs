@@ -129,7 +129,7 @@ pub(crate) struct FittedJson {
     relative_response: f64,
     /// Both ends of the 90 % interval over the possible grooves.
     groove_interval: Option<[f64; 2]>,
-    /// Solution with this value.
+    /// Solution of the model for the fitted value of the input.
     #[serde(skip_serializing_if = "Option::is_none")]
     result: Option<RecordJson>,
     /// 90 % intervals of the solution over the possible grooves.
@@ -703,8 +703,8 @@ impl Fit {
 }
 
 impl FitValue {
-    /// Returns the solution for this value of the input, with 90 % intervals over the possible
-    /// grooves.
+    /// Returns the solution of the model for the fitted value of the input, with 90 % intervals
+    /// over the possible grooves.
     fn solution(&self, case: &Case) -> Answer {
         let shown = |record: &Record| Answer { sections: record.shown(case), ..Answer::default() };
         let mut solution = self.record.as_ref().map(shown).unwrap_or_default();

@@ -216,7 +216,8 @@ fn estimated_ball(case: &Case) -> Option<String> {
     Some(format!("{what} {} mm", format_trimmed(case.ball_diameter_mm?)))
 }
 
-/// Columns of stated values, each with the column of the corresponding calculated value.
+/// Columns of values that manufacturers state, each with the column of the corresponding calculated
+/// value.
 const RATED: [[&str; 2]; 3] = [
     ["dynamic_load_rating_N", "our_dynamic_load_rating_N"],
     ["static_load_rating_N", "our_static_load_rating_N"],
@@ -289,8 +290,8 @@ fn numbers_of(
 
 impl ManufacturerRow {
     /// Compares a manufacturer's nuts with the calculation, and checks them in the axis of a
-    /// requirement. Nuts that pass all rules are listed first. The passing and the failing nuts are
-    /// each sorted by the mass of screw and nut. An unknown mass of a nut is assumed to be zero.
+    /// requirement. Nuts that pass all rules come first. Nuts with the same verdict are sorted by
+    /// the mass of screw and nut. An unknown mass of a nut is assumed to be zero.
     ///
     /// # Errors
     /// Returns the name of the nut that cannot be calculated, together with the [`CaseError`] that

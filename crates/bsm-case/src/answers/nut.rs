@@ -529,7 +529,8 @@ pub(crate) struct OneBall<'a> {
 }
 
 impl OneBall<'_> {
-    /// Returns 1 if the ball is in the state `rolling` (rolling, idle or blocked), and 0 otherwise.
+    /// Returns 1 if the state of the ball (rolling, idle or blocked) equals `rolling`, and 0
+    /// otherwise.
     fn is(&self, rolling: Rolling) -> Option<f64> {
         Some(f64::from(u8::from(self.pushed?.rolling == rolling)))
     }

@@ -199,8 +199,8 @@ pub struct CircuitEntry {
     /// Index of the nut body to which the circuit belongs, from 0.
     #[serde(default)]
     pub body: usize,
-    /// Flanks on which the groove of the circuit can carry load. Defaults to both flanks if there
-    /// is a single nut body, and to one flank if there are several nut bodies.
+    /// Flanks of the circuit's groove. Defaults to both flanks if there is a single nut body, and
+    /// to one flank if there are several nut bodies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flank: Option<Named<Flanks>>,
     /// Axial offset of the circuit's groove in the nut.

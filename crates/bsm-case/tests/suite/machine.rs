@@ -364,7 +364,7 @@ fn static_safety_of_a_pair_includes_its_preload() {
 }
 
 /// If the thermal expansion is too small to have an effect and friction is dry, the axis sheet
-/// contains the same temperatures with and without a warm state. The tolerance is the sum of two
+/// contains the same temperatures with and without a warm state. The tolerance allows for two
 /// errors: the interpolation of the friction in the warm state, 1e-9, and the residual of the heat
 /// balance, 1e-10.
 #[test]

@@ -946,8 +946,8 @@ fn catalog_axis(more: &str) -> Answer {
     AxisReport::of(&case, &Settings::default()).expect("a sheet").answer
 }
 
-/// Missing inputs are stated next to the results that they affect. The inputs are the torques of
-/// seals and support bearings, the load factor, and the churning of cold oil.
+/// Missing inputs are stated next to the results that they affect. This is tested for the torques
+/// of seals and support bearings, for the load factor, and for the churning losses of cold oil.
 #[test]
 fn axis_sheet_states_missing_inputs_next_to_the_affected_numbers() {
     let bare = catalog_axis("");

@@ -211,8 +211,7 @@ fn warns_about_push_forces_above_three_percent_of_the_mean_ball_load() {
     assert!(report.number(output!(friction_torque_Nm)).is_some());
 }
 
-/// The two circuits of a nut pair may have different gaps. If the gaps are sufficient, no balls
-/// touch.
+/// The circuits of a nut pair may have different gaps. If all gaps are sufficient, no balls touch.
 #[test]
 fn each_circuit_may_have_a_separate_gap() {
     let case = &reference_cases()[5]["case"];

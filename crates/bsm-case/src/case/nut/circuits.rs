@@ -22,8 +22,8 @@ pub(super) const SHORT: [InputKey; 5] = [
     InputKey::phase_deg,
 ];
 
-/// Permitted range of the helix angles at which circuits begin and end in a nut \[deg\]. The range
-/// is sufficient for thousands of turns.
+/// Permitted range of helix angles in a nut \[deg\]. The range is sufficient for thousands of
+/// turns.
 const ANGLES: Rule = Rule::Within(-1e6, 1e6);
 
 /// Maximum number of balls of a nut.
