@@ -2777,7 +2777,7 @@ def _is_plain(value: Any) -> bool:
 
 
 def _html_lines(title: str, lines: Sequence[Mapping[str, Any]]) -> str:
-    """Return an HTML table of entries that have the same names. Only the first eight names are shown."""
+    """Return an HTML table of entries with the same fields. Only the first eight fields are shown."""
     names = [name for name in lines[0] if any(_is_plain(line.get(name)) for line in lines)][:8]
     head = "".join(f"<th>{_escape(name)}</th>" for name in names)
 

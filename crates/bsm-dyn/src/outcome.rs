@@ -168,7 +168,7 @@ pub enum Reason {
         /// Ratio of the centrifugal force that the flanks can hold to the axial load. The force is
         /// evaluated at a contact angle of 90 degrees at the screw.
         max_force_ratio: f64,
-        /// Ratio of the actual centrifugal force to the axial load, also evaluated at a contact
+        /// Ratio of the centrifugal force to the axial load. The force is evaluated at a contact
         /// angle of 90 degrees at the screw.
         force_ratio: f64,
     },
@@ -188,7 +188,7 @@ pub enum Reason {
         /// Largest inertia ratio at which the ball slides on both flanks.
         max: f64,
     },
-    /// The search failed: it found no root, but could not exclude that a root exists.
+    /// The search failed: it found no root, but could not rule out that a root exists.
     SearchFailed,
     /// The curvatures of ball and groove do not result in a contact ellipse with its long axis
     /// across the groove.
@@ -296,7 +296,7 @@ impl fmt::Display for Reason {
                  {inertia_ratio:.3e}"
             ),
             Self::SearchFailed => {
-                write!(f, "the search found no root, but could not exclude that a root exists")
+                write!(f, "the search found no root, but could not rule out that a root exists")
             }
             Self::CurvaturesNotHertzian { longitudinal, transverse } => write!(
                 f,

@@ -356,7 +356,7 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
 }
 
 /// Lengthens the line samples in the legend and adds the markers. The plotting library makes the
-/// samples too short to distinguish strokes.
+/// samples too short to distinguish the line styles.
 fn lengthen_samples(drawing: &mut Drawing, shapes: &[(usize, MarkerShape)]) {
     const ADDED_LENGTH: f64 = 12.0;
     const MAX_SAMPLE_LENGTH: f64 = 30.0;

@@ -176,7 +176,7 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
             Check::new(
                 &format!("lin1994/optimum-condition-{suffix}"),
                 &source,
-                "the published condition of the optimum holds (Eq 18 with its missing factor D)",
+                "the published condition for the optimum holds (Eq 18, with the missing factor D restored)",
             )
             .measured(condition_off, "largest residual")
             .note(over)

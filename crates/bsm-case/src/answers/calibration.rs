@@ -491,8 +491,8 @@ struct Measurements {
 
 /// Reads the measured points of a table.
 ///
-/// * `sought`: fitted inputs. A column must not contain a fitted input or another form of its
-///   quantity.
+/// * `sought`: fitted inputs. A column must contain neither a fitted input nor an alternative input
+///   for the same quantity.
 /// * `errors`: assumed kind of measurement errors, if given.
 fn points(
     base: &Case,

@@ -297,7 +297,7 @@ impl Answer {
         values.filter_map(|(column, value)| Some((column.name, value?)))
     }
 
-    /// Returns the table in the section with the given member name.
+    /// Returns the table of the section whose JSON member has the given name.
     fn table(&self, member: &str) -> Option<&Table> {
         match self.section(member) {
             Some(Content::Table(table)) => Some(table),

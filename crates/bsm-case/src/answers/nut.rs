@@ -386,7 +386,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         running_preload_N ["N"] Scalar(|n| Some(n.running_pair(Travel::Given)?.preload)) needs FRICTION,
             "preload of a pair while the screw turns, including the effect of friction";
         running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque)) needs FRICTION,
-            "friction torque due to the running preload; includes only sliding friction of the ball contacts, without the rolling resistance of a film";
+            "friction torque due to the running preload, which includes only sliding friction of the ball contacts, without the rolling resistance of a film";
         running_preload_torque_reverse_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Reverse)?.torque)) needs FRICTION,
             "friction torque due to the running preload in the opposite direction of travel";
         running_preload_torque_factor [""] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque / n.rule_torque()?)) needs FRICTION,

@@ -480,7 +480,7 @@ impl NutFilter {
                         "without {text}, {nuts} nuts remain; the value closest to this condition is {value}"
                     )
                 }
-                None => format!("without {text}, no nut remains either"),
+                None => format!("even without {text}, no nut remains"),
             }
         };
         let count = format!("none of the {} nuts in the list meets all conditions", all.len());

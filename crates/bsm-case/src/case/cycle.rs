@@ -59,7 +59,7 @@ impl Cycle {
                 (Some(feed), _) if case.nut_speed_rpm.is_none() => {
                     Some(DutySpeed::of_feed(feed / 60.0))
                 }
-                // Without a screw speed, the screw is at rest.
+                // If no screw speed is given, the screw is assumed to be at rest.
                 (_, None) => case.nut_speed_rpm.map(|nut| DutySpeed::of_rotation(-nut * RPM)),
                 (_, speeds) => {
                     speeds.map(|(screw, nut)| DutySpeed::of_rotation((screw - nut) * RPM))

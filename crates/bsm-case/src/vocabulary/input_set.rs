@@ -159,8 +159,8 @@ impl InputSet {
         }
     }
 
-    /// Returns the inputs that are given after `settings` have been applied to a case with the
-    /// inputs of this set.
+    /// Returns the inputs of a case that first has the inputs of this set and to which `settings`
+    /// are then applied.
     #[must_use]
     pub fn overridden_by(self, settings: Self) -> Self {
         self.without(settings.replaced()).union(settings)

@@ -63,7 +63,7 @@ pub fn direction_deg<F: Real>(angle: F) -> F {
 /// Conversion from an alternative unit to the unit of the vocabulary: `factor * (value - zero)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UnitChange {
-    /// Size of one alternative unit, expressed in the unit of the vocabulary.
+    /// Factor that converts a value from the alternative unit to the unit of the vocabulary.
     pub factor: f64,
     /// Value in the alternative unit that corresponds to zero in the unit of the vocabulary. It is
     /// 0 except for temperatures.

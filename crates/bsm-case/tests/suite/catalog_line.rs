@@ -659,7 +659,8 @@ fn thermal_fold_of_only_some_possible_grooves_is_reported_with_the_number_of_the
     let text = format!("but {grooves} of 16 possible grooves have one");
     let is_stated = |note: &String| note.contains("fold_speed_factor") && note.contains(&text);
     assert!(notes.iter().any(is_stated), "{notes:?}");
-    // The search ends at a speed between the fold of the best groove and the highest fold.
+    // The search ends between two speeds: the highest speed with a steady state for the best
+    // estimate of the groove, and the highest such speed of all possible grooves.
     let (some, estimate, notes) = fold(0.5 * (all + high));
     assert!(some.is_some_and(|some| (some / all - 1.0).abs() < 1e-3), "{some:?}");
     let grooves = estimate["grooves_with_number"]["fold_speed_factor"].as_u64().expect("a count");

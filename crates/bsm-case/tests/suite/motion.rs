@@ -275,7 +275,7 @@ fn error_states_what_is_wrong_with_a_cycle_entry() {
 /// sum of 100 means percentages, and other sums above 1 are rejected. Results per cycle require
 /// durations instead of time shares.
 #[test]
-fn axis_is_at_standstill_in_the_time_that_the_shares_do_not_cover() {
+fn axis_is_at_rest_for_the_time_not_covered_by_the_time_shares() {
     let of = |shares: [f64; 2]| {
         let phase = |share: f64, feed: f64| json!({ "share": share, "feed_m_min": feed });
         report(&axis(&json!({ "cycle": [phase(shares[0], 6.0), phase(shares[1], -6.0)] })))

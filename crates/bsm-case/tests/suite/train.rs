@@ -262,7 +262,7 @@ fn ball_flux_is_reported_for_each_circuit() {
 
 /// If a circuit has too many balls, the message states how many balls fit.
 #[test]
-fn too_many_balls_are_reported() {
+fn ball_count_above_capacity_is_reported() {
     let reference =
         reference_cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
     let mut case = reference["case"].clone();

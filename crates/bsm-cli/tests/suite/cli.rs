@@ -153,7 +153,7 @@ fn a_case_is_read_from_standard_input() {
 }
 
 #[test]
-fn missing_solution_causes_exit_code_3_and_a_reason() {
+fn program_exits_with_code_3_and_states_the_reason_if_there_is_no_solution() {
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &lin(), "--set", "lead_angle_deg=5"], "");
     assert_eq!(output.status.code(), Some(3));

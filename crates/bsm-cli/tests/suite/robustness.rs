@@ -448,7 +448,7 @@ fn a_file_above_the_size_limit_is_reported() {
 /// If the program reaches the limit of open files, it must report this error. With a sufficient
 /// limit, it must succeed.
 #[test]
-fn exceeded_limit_of_open_files_is_reported() {
+fn exceeding_the_limit_of_open_files_is_reported() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--model=closed-form", "-o", "x.csv"];

@@ -70,7 +70,7 @@ fn assert_json(name: &str, args: &[&str]) {
 }
 
 #[test]
-fn screens_and_answers_of_single_balls_are_unchanged() {
+fn output_for_single_balls_is_unchanged() {
     let cases = ["feed_drive", "feed_drive_oil", "lin1994", "xu2015", "back_driving", "rated"];
     for case in cases {
         let args = ["solve", &format!("{case}.json")];
@@ -84,7 +84,7 @@ fn screens_and_answers_of_single_balls_are_unchanged() {
 }
 
 #[test]
-fn screens_and_answers_of_nuts_are_unchanged() {
+fn output_for_nuts_is_unchanged() {
     let cases = [
         "nut",
         "nut_double",
@@ -102,7 +102,7 @@ fn screens_and_answers_of_nuts_are_unchanged() {
 }
 
 #[test]
-fn screens_and_answers_of_axes_are_unchanged() {
+fn output_for_axes_is_unchanged() {
     for case in ["axis", "rated", "catalog_line"] {
         let args = ["axis", &format!("{case}.json")];
         assert_screen(&format!("axis-{case}"), &args);
@@ -111,7 +111,7 @@ fn screens_and_answers_of_axes_are_unchanged() {
 }
 
 #[test]
-fn screens_of_selections_are_unchanged() {
+fn output_for_selections_is_unchanged() {
     for requirement in ["axis", "feed_drive", "free_lead", "load_drives"] {
         let path = format!("requirements/{requirement}.json");
         let free: &[&str] = if requirement == "free_lead" { &["--free"] } else { &[] };

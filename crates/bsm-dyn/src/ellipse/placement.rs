@@ -48,8 +48,8 @@ impl<'a> Placement<'a> {
         self.frozen_rule?.get()
     }
 
-    /// If a frozen rule exists, returns the flags that mark the poles at which a panel is split,
-    /// and the nodes of the chords.
+    /// Returns the numbers of nodes that were fixed by an earlier evaluation: flags for the poles
+    /// at which a panel is split, or `None`, and the nodes of each chord.
     pub(super) fn lines(&self) -> (Option<[bool; 2]>, &'a [InnerNodes]) {
         match self.frozen() {
             Some(FrozenRule::Lines(split, lines)) => (Some(*split), lines),

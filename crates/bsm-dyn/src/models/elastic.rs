@@ -96,7 +96,8 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         let to_nut = Motion { precession: y[PRECESSION], omega };
 
         let points = loaded.contacts.map(|c| c.point(D::from(1.0)));
-        // In this sum, the spin (of order 1/P) is multiplied by the tilt, so it does not cancel.
+        // In this sum, the spin, which is of order 1/P, appears only multiplied by the tilt, so no
+        // digits are lost by cancellation.
         // V_A + V_B = d (2p − 1) W t + ω' × (r_A + r_B) − W k × r_B       (S11)
         let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * contacts.scaled.arc);
         let both = arc + omega.cross(&(points[0] + points[1])) - loaded.frame.k.cross(&points[1]);

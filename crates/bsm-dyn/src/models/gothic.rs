@@ -304,8 +304,8 @@ impl GothicBall {
         self.gothic_state(&balance, &unknowns, info)
     }
 
-    /// Returns the axial displacement \[m\] of the nut from its middle position at which the +
-    /// flanks touch the ball (AC3).
+    /// Returns the axial displacement \[m\] of the nut, measured from its middle position, at which
+    /// the + flanks touch the ball (AC3).
     ///
     /// # Errors
     ///

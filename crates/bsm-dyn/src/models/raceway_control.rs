@@ -164,8 +164,8 @@ impl RollingBall {
         })
     }
 
-    /// Returns true if criterion (W7), evaluated for this ball, selects the controlling raceway of
-    /// this ball.
+    /// Returns true if criterion (W7), evaluated for this ball, selects the raceway that was
+    /// assumed to control the ball.
     fn is_consistent(&self, contacts: &ElasticContacts) -> bool {
         let excess = RacewayBall::from(contacts).nut_excess(&self.sides(contacts));
         (excess > 0.0) == (self.control == Control::Nut)

@@ -114,7 +114,7 @@ pub fn size_table(report: &AxisReport, format: &TableFormat) -> Result<String, R
     table.write_record(head.chain(["unit", "limit", "margin", "verdict", "source"]))?;
     for rule in &report.answer.rules {
         let ends = [rule.band.map(|band| band.low), rule.band.map(|band| band.high)].map(text);
-        let value = format_exact(rule.value);
+        let value = exact(rule.value);
         let numbers = std::iter::once(&value).chain(ends.iter().filter(|_| is_estimated));
         let [limit, margin] = [text(rule.limit), text(rule.margin())];
         let verdict = rule.limit.map_or("", |_| rule.verdict().word());

@@ -83,7 +83,7 @@ impl AxisState<'_> {
     pub(super) fn left_out(&self) -> Vec<String> {
         let has_groove = self.machine.groove.is_some() && !self.case.has_estimated_groove();
         let is_met = |need: &Need| {
-            // A cycle with durations determines the stroke.
+            // If the load cycle states durations, the stroke follows from its speeds and durations.
             let has_stroke = *need == Length && self.machine.stroke.is_some();
             has_stroke || need.is_met(self.case, has_groove)
         };

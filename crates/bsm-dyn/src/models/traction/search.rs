@@ -21,8 +21,8 @@ const SKID_ONSET: f64 = 0.5;
 enum StartingBall {
     /// Start from the solution for a rolling ball.
     Rolling,
-    /// Start from the solution for a ball in gross slip, whose slips are close to the slips at a
-    /// root with gross skid.
+    /// Start from the solution with gross slip in both contacts, which is close to a root with
+    /// gross skid.
     Skidding,
     /// Start from a ball that is at rest relative to the nut.
     AtRestInNut,
