@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         match axis.number(name) {
             Some(value) => writeln!(stdout(), "{:24} {value:.5}", name.name())?,
             None => {
-                writeln!(stdout(), "{:24} cannot be calculated from these inputs", name.name())?
+                writeln!(stdout(), "{:24} cannot be calculated from these inputs", name.name())?;
             }
         }
     }

@@ -105,7 +105,7 @@ fn traction(case: &Case) -> Result<Traction, CaseError> {
     }
 }
 
-/// * `used`: true for screws that are typical of practice, under any load.
+/// * `used`: true if the screw is typical of screws used in practice, regardless of its load.
 fn draw(rng: &mut impl Rng, used: bool) -> [f64; 11] {
     let pitch = rng.random_range(8.0..100.0);
     let ball = pitch * rng.random_range(0.07..0.2);

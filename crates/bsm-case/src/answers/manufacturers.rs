@@ -629,32 +629,48 @@ impl ManufacturerRow {
             .extend(contradictions.chain(choice.into_iter().flat_map(|row| warning(row))));
         let of_choice = choice.into_iter().flat_map(|row| &row.notes);
         answer.notes.extend(of_choice.map(|note| format!("{}: {note}", rows[0].name)));
+        answer.notes.extend(Self::notes(rows, passing, undecided));
+        answer
+    }
+
+    /// Returns notes on the estimated grooves, the copied columns and the verdicts.
+    ///
+    /// * `passing`: number of nuts that pass all rules.
+    /// * `undecided`: number of nuts that neither pass nor fail.
+    fn notes(rows: &[&Self], passing: usize, undecided: usize) -> Vec<String> {
+        let mut notes = Vec::new();
         // The text [`NO_GROOVE`] marks a nut without an estimated groove.
         let is_estimated =
             |row: &&&Self| row.groove.as_deref().is_some_and(|groove| groove != NO_GROOVE);
         let estimated = rows.iter().filter(is_estimated).count();
-        answer.notes.extend((estimated > 0).then(|| {
+        notes.extend((estimated > 0).then(|| {
             format!(
                 "The grooves of {estimated} of {} nuts are estimated from their ratings; intervals (low to high) contain 90 % of the possible \
                  grooves.",
                 rows.len()
             )
         }));
-        let kept: Vec<_> = first.texts.iter().map(|(name, _)| name.as_str()).collect();
-        answer.notes.extend((!kept.is_empty()).then(|| {
+        let has_verdicts = rows.first().is_some_and(|first| first.verdict.is_some());
+        let kept: Vec<_> = rows
+            .iter()
+            .take(1)
+            .flat_map(|first| &first.texts)
+            .map(|(name, _)| name.as_str())
+            .collect();
+        notes.extend((!kept.is_empty()).then(|| {
             format!(
                 "These columns are only copied to tables and have no other effect: {}.",
                 kept.join(", ")
             )
         }));
-        answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass.", rows.len())));
-        answer.notes.extend((undecided > 0).then(|| {
+        notes.extend(has_verdicts.then(|| format!("{passing} of {} nuts pass.", rows.len())));
+        notes.extend((undecided > 0).then(|| {
             format!(
                 "{undecided} of {} nuts neither pass nor fail: because their groove is estimated, the 90 % interval of a result contains its limit. For each of these nuts, `bsm axis` names the inputs that would decide the rule.",
                 rows.len()
             )
         }));
-        answer
+        notes
     }
 }
 

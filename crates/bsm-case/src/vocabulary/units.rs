@@ -79,8 +79,8 @@ impl UnitChange {
         self.factor * (value - self.zero)
     }
 
-    /// Converts the difference between two values, such as a standard deviation, to the unit of the
-    /// vocabulary.
+    /// Converts a difference or a standard deviation to the unit of the vocabulary, without the
+    /// offset of a temperature scale.
     pub fn difference(self, difference: f64) -> f64 {
         self.factor * difference
     }

@@ -4,6 +4,7 @@
 //! change, `just snapshots` stores the new texts, and the difference shows in the commit.
 
 use std::fs;
+use std::process::Output;
 
 use serde_json::{Value, json};
 
@@ -16,8 +17,14 @@ const DIGITS: usize = 6;
 /// Magnitude below which numbers in snapshots are zero, such as residuals.
 const ROUNDED_TO_ZERO: f64 = 1e-9;
 
-/// Runs a command in the folder of the examples. Returns its messages and its output.
-fn output_of(args: &[&str]) -> String {
+/// Runs a command in the folder of the examples. Returns its output after its messages.
+fn screen_of(args: &[&str]) -> String {
+    let output = run(args);
+    stderr(&output) + &stdout(&output)
+}
+
+/// Runs a command in a copy of the folder of the examples.
+fn run(args: &[&str]) -> Output {
     let folder = folder();
     for name in ["", "requirements"] {
         let from = root().join("examples").join(name);
@@ -29,8 +36,7 @@ fn output_of(args: &[&str]) -> String {
             }
         }
     }
-    let output = bsm(folder.path(), args, "");
-    stderr(&output) + &stdout(&output)
+    bsm(folder.path(), args, "")
 }
 
 /// Rounds all numbers of an answer, so that the answer is the same on all processors.
@@ -56,12 +62,12 @@ fn assert_screen(name: &str, args: &[&str]) {
     settings.set_omit_expression(true);
     settings.set_description(format!("bsm {}", args.join(" ")));
     settings.add_filter(r"residual \S+", "residual [..]");
-    settings.bind(|| insta::assert_snapshot!(name, output_of(args)));
+    settings.bind(|| insta::assert_snapshot!(name, screen_of(args)));
 }
 
 /// Compares the rounded JSON answer of a command with the snapshot of the given name.
 fn assert_json(name: &str, args: &[&str]) {
-    let answer = rounded(&parsed(&output_of(&[args, &["--json"]].concat())));
+    let answer = rounded(&parsed(&stdout(&run(&[args, &["--json"]].concat()))));
     let text = serde_json::to_string_pretty(&answer).expect("JSON");
     let mut settings = insta::Settings::clone_current();
     settings.set_omit_expression(true);
@@ -125,7 +131,7 @@ fn output_for_selections_is_unchanged() {
 #[test]
 fn schemas_are_unchanged() {
     for schema in ["input", "output", "units"] {
-        let text = output_of(&["schema", schema]);
+        let text = screen_of(&["schema", schema]);
         let mut settings = insta::Settings::clone_current();
         settings.set_omit_expression(true);
         settings.set_description(format!("bsm schema {schema}"));

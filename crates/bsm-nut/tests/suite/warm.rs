@@ -737,8 +737,8 @@ fn uniform_travel_temperature_underestimates_the_mean_temperature_of_a_fin() {
 }
 
 /// The derivatives of the node temperatures with respect to the ambient temperature are calculated
-/// from two steady states. These derivatives satisfy the linearized heat balance, whose matrix `$M
-/// - P'$` contains the derivatives of the heat. The functions are nonlinear over a temperature
+/// from two steady states. These derivatives satisfy the linearized heat balance, whose matrix
+/// `$M - P'$` contains the derivatives of the heat. The functions are nonlinear over a temperature
 /// range of about 50 K, so finite differences with a step of 0.05 K have relative errors of about
 /// (0.05/50)² = 1e-6. The tolerance is ten times as large.
 #[test]

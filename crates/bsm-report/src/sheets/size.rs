@@ -515,7 +515,7 @@ fn phase_labels(points: &[(f64, f64)], [far, high]: [f64; 2]) -> Vec<String> {
         let first = (0..place).find(|i| !labels[*i].is_empty() && is_near(&points[*i]));
         let number = (place + 1).to_string();
         match first {
-            Some(first) => labels[first] += &format!(", {number}"),
+            Some(first) => labels[first].extend([", ", &number]),
             None => labels[place] = number,
         }
     }

@@ -235,8 +235,7 @@ impl<P: Real> SlidingBall<P> {
     }
 
     /// Calculates the motion of the ball from forces that are in equilibrium.
-    ///
-    /// Assumes: `$r_m > 1.21\,r_b$`, so that `$Y > 0$` for slips opposite to friction.
+    /// Assumes: `$r_m > 1.21\,r_b$`. Then, `$Y > 0$` if the slip is opposite to the friction force.
     #[inline(always)]
     pub fn motion<D: RealOver<P>>(&self, s: &SlidingState<D>) -> SlidingMotion<D> {
         let (d, [x_a, x_b]) = (self.arc, s.slip_cotangents);

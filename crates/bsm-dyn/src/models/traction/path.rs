@@ -62,7 +62,8 @@ pub(super) enum PathResult {
 
 /// A path of increasing inertia forces that begins at a ball without inertia.
 struct InertiaPath {
-    /// Roots on the path with both contacts on their flanks, in the order of the path.
+    /// Roots for which both contacts are on their flanks, in the order in which they occur along
+    /// the path.
     roots: Vec<SlipRoot>,
     /// Contact angles at the first root that is beyond the flanks.
     off_flank: Option<[f64; 2]>,
