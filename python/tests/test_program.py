@@ -316,8 +316,9 @@ def test_nuts_of_a_manufacturer_match_the_command(tmp_path: Path) -> None:
     with pytest.raises(bs.InputError, match="column `Type` holds") as refused:
         bs.select_nuts(manufacturers=own)
     assert "columns_from" in refused.value.__notes__[0]
-    with pytest.raises(bs.InputError, match="unknown column `K`"):
-        bs.select_nuts(manufacturers=own.drop(columns=["Type", "note"]))
+    misspelled = own.drop(columns=["Type", "note"]).rename(columns={"K": "stifness_N_um"})
+    with pytest.raises(bs.InputError, match="unknown column `stifness_N_um`"):
+        bs.select_nuts(manufacturers=misspelled)
     with pytest.raises(bs.InputError, match="only requirement and columns_from"):
         bs.select_nuts(manufacturers=path, pareto=True)
 

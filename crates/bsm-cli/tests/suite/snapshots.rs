@@ -86,7 +86,6 @@ fn output_for_single_balls_is_unchanged() {
     for part in ["slip", "jam", "optimum", "ratings", "steps"] {
         assert_screen(&format!("show-{part}"), &["solve", "jamming.json", "--show", part]);
     }
-    assert_screen("all-models", &["solve", "xu2015.json", "--model", "all"]);
 }
 
 #[test]
