@@ -119,22 +119,15 @@ impl ManufacturerNut {
         case
     }
 
-    /// Returns the stiffness that the manufacturer states for a single nut \[N/µm\], or `None` if
-    /// the stated stiffness applies to a preloaded nut.
-    fn stiffness(&self) -> Option<f64> {
-        let is_of_one =
-            matches!(self.case.entries.rated_rigidity_at, Some(Named(StiffnessAt::Load(_))));
-        self.case.rated_rigidity_N_um.filter(|_| is_of_one)
-    }
-
     /// Returns the inputs that occur in the table, except for the ratings, the mass and the
     /// stiffness of the nut, which have separate columns.
     fn inputs(nuts: &[Self]) -> Vec<InputKey> {
         let separate =
             [InputKey::rated_dynamic_load_N, InputKey::rated_static_load_N, InputKey::nut_mass_kg];
         let is_given = |key: &InputKey| {
-            let has_stiffness =
-                |nut: &Self| *key == InputKey::rated_rigidity_N_um && nut.stiffness().is_some();
+            let has_stiffness = |nut: &Self| {
+                *key == InputKey::rated_rigidity_N_um && nut.case.rigidity_of_one_nut().is_some()
+            };
             nuts.iter().any(|nut| nut.case[*key].is_some() && !has_stiffness(nut))
         };
         let all = InputKey::ALL.into_iter().filter(|key| !separate.contains(key));
@@ -151,10 +144,9 @@ fn is_kept_column(
     format: &TableFormat,
     words: &[&'static str],
 ) -> bool {
+    let Err(error) = manufacturer_column(name, format, words) else { return false };
     let is_own_name = format.name(name) == Some(name);
-    let resembles_no_name =
-        |error: &CaseError| has_text || matches!(error, CaseError::Unknown { nearest: None, .. });
-    is_own_name && manufacturer_column(name, format, words).is_err_and(|e| resembles_no_name(&e))
+    is_own_name && (has_text || matches!(error, CaseError::Unknown { nearest: None, .. }))
 }
 
 /// Ratio of axial load to dynamic load rating for which manufacturers state the stiffness of a
@@ -170,7 +162,7 @@ quantities! {
         our_dynamic_load_rating_N ["N"] Scalar(|b| b.rating(output!(dynamic_load_rating_N))), "calculated dynamic load rating";
         static_load_rating_N = RATINGS Scalar(|b| b.nut.case.rated_static_load_N);
         our_static_load_rating_N ["N"] Scalar(|b| b.rating(output!(static_load_rating_N))), "calculated static load rating";
-        stiffness_N_um ["N/um"] Scalar(|b| b.nut.stiffness()), "stiffness of one nut as stated by the manufacturer";
+        stiffness_N_um ["N/um"] Scalar(|b| b.nut.case.rigidity_of_one_nut()), "stiffness of one nut as stated by the manufacturer";
         our_stiffness_N_um ["N/um"] Scalar(|b| b.calculated.number(CALCULATED_STIFFNESS)), "calculated stiffness of one nut";
         nut_mass_kg = INPUTS Scalar(|b| b.nut.case.nut_mass_kg.or_else(|| b.calculated.number(output!(nut_mass_kg))));
     }
@@ -638,6 +630,7 @@ impl ManufacturerRow {
     /// * `passing`: number of nuts that pass all rules.
     /// * `undecided`: number of nuts that neither pass nor fail.
     fn notes(rows: &[&Self], passing: usize, undecided: usize) -> Vec<String> {
+        let Some(first) = rows.first() else { return Vec::new() };
         let mut notes = Vec::new();
         // The text [`NO_GROOVE`] marks a nut without an estimated groove.
         let is_estimated =
@@ -650,20 +643,14 @@ impl ManufacturerRow {
                 rows.len()
             )
         }));
-        let has_verdicts = rows.first().is_some_and(|first| first.verdict.is_some());
-        let kept: Vec<_> = rows
-            .iter()
-            .take(1)
-            .flat_map(|first| &first.texts)
-            .map(|(name, _)| name.as_str())
-            .collect();
+        let kept: Vec<_> = first.texts.iter().map(|(name, _)| name.as_str()).collect();
         notes.extend((!kept.is_empty()).then(|| {
             format!(
                 "These columns are only copied to tables and have no other effect: {}.",
                 kept.join(", ")
             )
         }));
-        notes.extend(has_verdicts.then(|| format!("{passing} of {} nuts pass.", rows.len())));
+        notes.extend(first.verdict.map(|_| format!("{passing} of {} nuts pass.", rows.len())));
         notes.extend((undecided > 0).then(|| {
             format!(
                 "{undecided} of {} nuts neither pass nor fail: because their groove is estimated, the 90 % interval of a result contains its limit. For each of these nuts, `bsm axis` names the inputs that would decide the rule.",

@@ -1,10 +1,11 @@
 //! Nut of a case: balls, thread and nut body.
 
-use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
+use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, StiffnessAt, Thread};
 
 use crate::case::axis::{nut_set, rated_dynamic_load};
 use crate::case::nut::balls_and_turns;
 use crate::case::problem::Needs;
+use crate::vocabulary::entries::Named;
 use crate::vocabulary::input_set::{CONTACT_ANGLE, LEAD, inputs, lead_mm};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{Case, CaseError, InputKey, InputSet};
@@ -17,6 +18,15 @@ pub(crate) const NEEDS: Needs = Needs {
     },
     quantities: &[LEAD, CONTACT_ANGLE],
 };
+
+impl Case {
+    /// Returns the catalog stiffness of a single nut under a load \[N/µm\], or `None` if no stiffness
+    /// is given or if the given stiffness applies to a preloaded nut.
+    pub(crate) fn rigidity_of_one_nut(&self) -> Option<f64> {
+        let is_of_one = matches!(self.entries.rated_rigidity_at, Some(Named(StiffnessAt::Load(_))));
+        self.rated_rigidity_N_um.filter(|_| is_of_one)
+    }
+}
 
 /// Returns the inputs of a case, including the inputs that follow from its circuits.
 pub(crate) fn given(case: &Case) -> InputSet {

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 use super::error::{NameKind, brief};
 use super::units::{is_unit, long_name};
-use crate::{CaseEntries, CaseError, INPUTS, Output};
+use crate::{CaseEntries, CaseError, INPUTS, InputKey, Output};
 
 /// Words that denote a case in messages about invalid files.
 const CASE_DESCRIPTION: &str =
@@ -184,13 +184,8 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     ),
 ];
 
-/// Beginnings of keys that name a quantity in other words, each with the input to suggest.
-const SYNONYMS: [(&str, &str); 4] = [
-    ("stiffness_", "rated_rigidity_N_um"),
-    ("nut_stiffness_", "rated_rigidity_N_um"),
-    ("rigidity_", "rated_rigidity_N_um"),
-    ("nut_rigidity_", "rated_rigidity_N_um"),
-];
+/// Beginnings of keys with which users often mean `rated_rigidity_N_um`.
+const RIGIDITY_SYNONYMS: [&str; 4] = ["stiffness_", "nut_stiffness_", "rigidity_", "nut_rigidity_"];
 
 pub(crate) fn unknown_key(key: &str) -> CaseError {
     if REQUIREMENT_CHOICES.iter().any(|(name, ..)| *name == key) {
@@ -199,9 +194,9 @@ pub(crate) fn unknown_key(key: &str) -> CaseError {
         );
         return CaseError::Entry { key: key.to_owned(), what };
     }
-    let synonym = SYNONYMS.iter().find(|(beginning, _)| key.starts_with(beginning));
-    if let Some((_, input)) = synonym {
-        return CaseError::unknown(NameKind::Input, key, Some(input));
+    if RIGIDITY_SYNONYMS.iter().any(|beginning| key.starts_with(beginning)) {
+        let meant = InputKey::rated_rigidity_N_um.name();
+        return CaseError::unknown(NameKind::Input, key, Some(meant));
     }
     if Output::all().any(|output| output.name == key) {
         let what = format!(

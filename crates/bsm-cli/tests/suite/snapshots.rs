@@ -3,12 +3,11 @@
 //! Snapshots guard against unintended changes; they do not validate numbers. After an intended
 //! change, `just snapshots` stores the new texts, and the difference shows in the commit.
 
-use std::fs;
 use std::process::Output;
 
 use serde_json::{Value, json};
 
-use crate::program::{bsm, folder, json as parsed, root, stderr, stdout};
+use crate::program::{bsm, json as parsed, root, stderr, stdout};
 
 /// Number of digits of numbers in snapshots. The last digits of solutions depend on the instruction
 /// set of the processor.
@@ -28,20 +27,9 @@ fn screen_of(args: &[&str]) -> String {
     stderr(&output) + &stdout(&output)
 }
 
-/// Runs a command in a copy of the folder of the examples.
+/// Runs a command in the folder of the examples.
 fn run(args: &[&str]) -> Output {
-    let folder = folder();
-    for name in ["", "requirements"] {
-        let from = root().join("examples").join(name);
-        fs::create_dir_all(folder.path().join(name)).expect("a folder");
-        for file in fs::read_dir(from).expect("examples").flatten() {
-            if file.path().is_file() {
-                let to = folder.path().join(name).join(file.file_name());
-                fs::copy(file.path(), to).expect("a copy");
-            }
-        }
-    }
-    bsm(folder.path(), args, "")
+    bsm(&root().join("examples"), args, "")
 }
 
 /// Rounds all numbers of an answer, so that the answer is the same on all processors.

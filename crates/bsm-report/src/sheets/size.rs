@@ -106,8 +106,8 @@ pub fn size_table(report: &AxisReport, format: &TableFormat) -> Result<String, R
     let report = &report.displayed();
     let exact = |number: f64| format_exact(number).replace('.', &format.decimal.to_string());
     let text = |number: Option<f64>| number.map_or_else(String::new, exact);
-    let delimiter = u8::try_from(format.delimiter).unwrap_or(b',');
-    let mut table = csv::WriterBuilder::new().delimiter(delimiter).from_writer(Vec::new());
+    let mut table =
+        csv::WriterBuilder::new().delimiter(format.delimiter as u8).from_writer(Vec::new());
     let is_estimated = report.case.has_estimated_groove();
     let ends = ["low", "high"].into_iter().filter(|_| is_estimated);
     let head = ["rule", "symbol", "value"].into_iter().chain(ends);

@@ -6,8 +6,8 @@ use std::collections::hash_map::Entry;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Duty, Grade, Life, Mount, PERMITTED_STRESS, Phase, Shaft, StiffnessAt, in_series, life,
-    lost_motion, natural_frequency, pair_loads,
+    Axis, Duty, Grade, Life, Mount, PERMITTED_STRESS, Phase, Shaft, in_series, life, lost_motion,
+    natural_frequency, pair_loads,
 };
 use bsm_dyn::ModelWorkspace;
 
@@ -88,12 +88,12 @@ impl<'a> AxisState<'a> {
         // Contact friction depends only on load and speed, so it is calculated only once for
         // moments with equal load and speed.
         let mut solved: HashMap<[u64; 2], Contacts> = HashMap::new();
-        let has_friction = case.has_speed() || !case.given().is_lubricated();
+        let is_friction_known = case.has_speed() || !case.given().is_lubricated();
         let torque = |phase: &Phase| {
             PhaseTorques::of(phase, &machine.drive, warm_preload, |point| {
                 let contacts = match solved.entry(at_bits(point.load, point.friction_speed)) {
                     Entry::Occupied(known) => known.get().clone(),
-                    Entry::Vacant(first) if !has_friction => {
+                    Entry::Vacant(first) if !is_friction_known => {
                         first.insert(Contacts::none(NO_SPEED.to_owned())).clone()
                     }
                     Entry::Vacant(first) => {
@@ -310,9 +310,7 @@ impl<'a> AxisState<'a> {
     /// Returns true if the catalog states a stiffness that cannot be used, because it applies to one
     /// nut under a load and the nut is preloaded.
     pub(super) fn has_unused_rigidity(&self) -> bool {
-        let at = self.case.entries.rated_rigidity_at;
-        let is_of_one = matches!(at, Some(Named(StiffnessAt::Load(_))));
-        self.case.rated_rigidity_N_um.is_some() && is_of_one && self.axis().preload.is_some()
+        self.case.rigidity_of_one_nut().is_some() && self.axis().preload.is_some()
     }
 
     /// Returns the stiffness of the nut under the largest load \[N/µm\], calculated from all balls

@@ -171,13 +171,13 @@ impl SlipBall<'_> {
             Ok(at_rest) => at_rest,
             Err(failure) => return failure,
         };
-        let is_first = |root: &SlipRoot| self.is_balanced(root);
-        let forward = self.beginning_at_rest(&at_rest, 1.0, is_first, newton, steps);
-        if forward.roots.last().is_some_and(is_first) {
-            return self.first_on(&forward);
+        let is_balanced = |root: &SlipRoot| self.is_balanced(root);
+        let forward = self.beginning_at_rest(&at_rest, 1.0, is_balanced, newton, steps);
+        if forward.roots.last().is_some_and(is_balanced) {
+            return self.outcome_of(&forward);
         }
-        let backward = self.beginning_at_rest(&at_rest, -1.0, is_first, newton, steps);
-        self.first_on(if backward.roots.is_empty() { &forward } else { &backward })
+        let backward = self.beginning_at_rest(&at_rest, -1.0, is_balanced, newton, steps);
+        self.outcome_of(if backward.roots.is_empty() { &forward } else { &backward })
     }
 
     /// Returns all roots with both contacts on their flanks on the path of increasing inertia
@@ -254,9 +254,8 @@ impl SlipBall<'_> {
         })
     }
 
-    /// Returns the last root that was found on a path or, if no root was found, the reason why
-    /// there is none.
-    fn first_on(&self, path: &InertiaPath) -> PathResult {
+    /// Returns the last root on a path or, if the path has no root, the reason.
+    fn outcome_of(&self, path: &InertiaPath) -> PathResult {
         let InertiaPath { roots, off_flank, end, is_complete } = path;
         if let Some(root) = roots.last() {
             return PathResult::SlipRoot(*root);
