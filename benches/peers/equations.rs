@@ -2,7 +2,7 @@
 //! iteration on given equations. It contains the conversion from user units, the starting point,
 //! the residual, the analytic Jacobian and the outputs.
 //!
-//! The equations are those of `docs/theory/04-rigid.md` with the unknowns `Q_A/F_a, Q_A'/F_a,
+//! The equations come from `docs/theory/04-rigid.md` and have the unknowns `Q_A/F_a, Q_A'/F_a,
 //! Q_B/F_a, p, u, τ, s`. Speeds are divided by W including its sign, so driving and back-driving
 //! differ only in the sign of the friction.
 

@@ -36,7 +36,7 @@ struct Arguments {
     #[arg(long, default_value_t = 4096)]
     count: usize,
     /// Use the points of validation/golden/tradeoff/cases.csv instead of random points; solvers may
-    /// miss roots there
+    /// miss roots at these points
     #[arg(long)]
     ordinary: bool,
     /// Number of runs of each solver; the median is reported

@@ -61,7 +61,7 @@ struct Line {
     /// project.
     other_answers: usize,
     /// Largest relative difference in the efficiency and in the loads at contacts A and B, and
-    /// largest difference in p and s.
+    /// largest difference in the unknowns p and s.
     worst_loaded: f64,
     /// Largest relative difference in the load at contact A', and largest difference in u and τ.
     worst_inertial: f64,

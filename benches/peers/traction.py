@@ -1,6 +1,6 @@
 """Solve the traction model at the points in a file with SciPy and with JAX. The script traction.sh calls this file.
 
-The equations are the same for both: `m` is math or jax.numpy for numbers, and `xp` is numpy or jax.numpy for arrays.
+SciPy and JAX use the same equations: `m` is math or jax.numpy for numbers, and `xp` is numpy or jax.numpy for arrays.
 They come from docs/theory/06-elastic-contact.md and 09-traction.md and have the unknowns (T1). All quantities are
 divided by ball radius, axial load and relative speed W. The first axis of arrays is the contact, with the nut first.
 """
@@ -63,13 +63,14 @@ LEAST = np.sinh(-np.log(ACCURACY) / (2.0 * (MOST_INNER + 1))) ** 2
 
 
 class Layout(NamedTuple):
-    """Size of the arrays: whether panels may be split because poles are inside, and number of nodes along a line."""
+    """Array sizes. `inside`: panels may be split because of poles inside. `inner`: number of nodes along a line."""
 
     inside: bool
     inner: int
 
 
-# Passes of JAX, first over all points, then over the remaining points: size of the arrays, and maximum number of steps.
+# Passes of JAX. The first pass solves all points, and each further pass solves the remaining
+# points. Each entry contains the size of the arrays and the maximum number of steps.
 PASSES = [(Layout(False, 8), 8), (Layout(False, 12), 20), (Layout(True, MOST_INNER), 40)]
 
 
@@ -96,8 +97,8 @@ class Case(NamedTuple):
 def hertz(ratio, m):
     """Return the axis ratio b/a and the complete integrals K and E for a curvature ratio: (H7) and text below (H11)."""
     log_kappa = 2.0 / m.pi * m.log(ratio)
-    # Newton's method is applied to logarithms and needs one step less than the loop takes. The arithmetic-geometric
-    # means converge in five steps up to kappa = 100.
+    # Newton's method is applied to logarithms and needs one step fewer than the loop takes. The
+    # arithmetic-geometric means converge in five steps up to kappa = 100.
     for _ in range(5):
         q = m.exp(-log_kappa)
         parameter = 1.0 - q * q
@@ -123,7 +124,7 @@ def case(point, m):
     w, nut_speed = speed * m.pi / 30.0, nut_rpm / speed
     mass = 4.0 / 3.0 * m.pi * r_b * r_b * r_b * density * r_b * w * w / load
     arc, advance = radius / cos_a, radius * sin_a / cos_a
-    # (H1), in units of force and length
+    # Contact modulus (H1), in scaled units of force and length
     modulus = young / (2.0 * (1.0 - poisson * poisson)) * r_b * r_b / load
     offset, approach, semi_axes, pressed = [], [], [], []
     for side, conformity in zip((1.0, -1.0), conformities):
@@ -140,7 +141,7 @@ def case(point, m):
         semi_axes.append((a, a * q))
         pressed.append(2.0 * groove / (groove + 1.0))
     reach = (offset[0] + offset[1]) * cos_b
-    # (T9) is 1, because every ellipse here is shorter than the ball.
+    # The factor c of (T9) is 1, because every ellipse here is shorter than the ball.
     start = begin((sin_a, cos_a, arc, nut_speed), (offset, approach, reach), (sin_b, cos_b), m)
     return Case(
         m.copysign(f, w), radius, arc, sin_a, cos_a, tuple(offset), reach, tuple(approach), tuple(semi_axes),
@@ -190,7 +191,7 @@ def poles(q, slip_across, creep, xp):
 def nodes(slip, layout, xp):
     """Return positions of the nodes relative to the semi-axes, fractions of the load (T14), and whether all nodes fit.
 
-    The axes of the arrays are contacts, lines and nodes of a line. Without a layout, the arrays are as large as needed.
+    The axes of the arrays are the contacts, the lines, and the nodes of each line. Without a layout, the arrays are as large as needed.
     """
     q, roll, turn, sag, creep = slip
 
@@ -202,7 +203,7 @@ def nodes(slip, layout, xp):
         return roll[:, None] * (1.0 - sag[:, None] * x * x), turn[:, None] * chord
 
     def analyticity(x):
-        """Return sinh^2 (T18)."""
+        """Return sinh^2(eta) of (T18) at the positions x."""
         v, (b_0, b_1) = along(x), across(x)
         square, spin = v * v + creep * creep, b_1 * b_1
         far = (xp.abs(b_0) - xp.abs(b_1)) * (xp.abs(b_0) + xp.abs(b_1)) + square
@@ -229,7 +230,7 @@ def nodes(slip, layout, xp):
     load = (length * part * width[..., None] * xp.cosh(tau)).reshape(2, -1)
     load = load * 0.75 * xp.maximum((1.0 - xi) * (1.0 + xi), 0.0)
 
-    # (T19), equal for eight neighboring lines
+    # Number of nodes (T19), which is equal for eight neighboring lines
     square = analyticity(xi)
     inside = square < LEAST
     least = xp.where(inside, xp.inf, square).reshape(2, -1, 8).min(-1)
@@ -241,7 +242,7 @@ def nodes(slip, layout, xp):
     count = xp.repeat(count, 8, axis=1)
     s, weight = (xp.asarray(table[:, :room])[count] for table in INNER)
     if near:
-        # (T20), also with 24 nodes
+        # Quadrature (T20), which also uses 24 nodes
         sinh = xp.clip(xp.sqrt(square), 1e-100, FAR)
         b_0, b_1 = across(xi)
         phi_0 = xp.arccos(xp.clip(-b_0 / xp.where(b_1 == 0.0, TINY, b_1) / xp.sqrt(1.0 + square), -1.0, 1.0))
@@ -256,7 +257,7 @@ def nodes(slip, layout, xp):
 
 
 def friction(axes, pressed, motion, creep, layout, xp, fixed):
-    """Return force along t and t x N, and moment about t, N, t x N, divided by fQ (T22). `fixed` keeps the nodes."""
+    """Return the friction force along t and t x N and the moment about t, N and t x N, divided by fQ (T22). Apply `fixed` to the slip from which the nodes are placed, so that derivatives do not include the motion of the nodes."""
     (a, b), (speed, w_t, w_n, w_c) = axes, motion
     sag = 0.5 * a * a / pressed
     # (T12), (T13)
@@ -316,7 +317,7 @@ def evaluate(c, y, layout, m, xp, fixed):
     left = [forces[0][i] + forces[1][i] - thrown * n[i] for i in range(3)]
     left += [moments[0][i] + moments[1][i] - gyro * (radial * k_n[i] - around * n[i]) for i in range(3)]
     left.append(sum(forces[0][i] * k[i] for i in range(3)) - 1.0)
-    # (B7), with k x n instead of n x F along k
+    # Torque (B7), with k x n instead of the component of n x F along k
     torque = sum(moments[1][i] * k[i] - c.radius * k_n[i] * forces[1][i] for i in range(3))
     return left, torque, (beta - tilt, beta + tilt), resolved
 
@@ -328,7 +329,7 @@ def weights(c):
 
 
 def answer(c, y, evaluated, m):
-    """Return efficiency, loads [N] and contact angles [deg] of nut and screw, and whether they are on the flanks."""
+    """Return the efficiency, the loads [N] and contact angles [deg] of nut and screw, and whether the solution is valid."""
     _, torque, angles, resolved = evaluated
     # The efficiency is the ratio of ideal torque to torque or, for the other sign of W, the inverse ratio (B8).
     efficiency = (c.radius * c.sin_a / c.cos_a / torque) ** m.copysign(1.0, c.friction)
@@ -363,7 +364,7 @@ def scipy_hybr(points):
 
 
 def jax_newton(points):
-    """Solve all points in one call with small arrays and few steps, and the remaining points with larger arrays."""
+    """Solve all points in one call with small arrays and few steps. Then solve the points that have not converged again, with larger arrays."""
     import jax
 
     jax.config.update("jax_platforms", "cpu")

@@ -79,7 +79,7 @@ def said(*arguments):
 def leaves(schema):
     """Return all values of a JSON Schema that have a description, by name.
 
-    Some results repeat the case; its values are omitted.
+    Some results repeat the inputs of the case. These inputs are omitted.
     """
     found = {}
     for name, entry in schema.get("properties", {}).items():

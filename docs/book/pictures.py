@@ -1,4 +1,4 @@
-"""Copy the last picture of each executed notebook to docs/img for the gallery. Build the book before you run this."""
+"""Copy the last picture of each executed notebook to docs/img for the gallery. Build the book before you run this script."""
 
 import json
 import re

@@ -11,7 +11,7 @@ use bsm_sample::campaign;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Time without progress after which an input counts as an endless loop. The limit in
+/// Time without progress after which an input is assumed to cause an endless loop. The limit in
 /// `Target::check` is shorter.
 const TIME_LIMIT: Duration = Duration::from_secs(120);
 

@@ -547,7 +547,7 @@ class Table:
         return self._part({name: _rows_of(name, column, rows) for name, column in self._columns.items()}, rows)
 
     def _part(self, columns: Mapping[str, Any], rows: NDArray[np.int_]) -> Table:
-        """Return a table with the given columns. `rows` contains the indices of its rows in this table."""
+        """Return a new table with the given columns. `rows` contains the indices of its rows in the original table."""
         return Table(columns, {name: unit for name, unit in self._units.items() if name in columns}, len(rows))
 
     def head(self, rows: int = 5) -> Table:
@@ -593,7 +593,7 @@ class Table:
     def message(self, row: int) -> str | None:
         """Return the reason why a row has no result.
 
-        If the table was created with `text=True`, return the reason for the choice of `auto` for a row with a result.
+        If the table was created with `text=True` and the row has a result, return why `auto` chose the model.
         """
         if not -self._length <= row < self._length:
             raise IndexError(f"row {row} of {self._length}")
@@ -805,7 +805,7 @@ class Nuts(Table):
         super().__init__(columns, units, length)
         self._nuts = nuts
         self.warnings = list(warnings)
-        # If this table contains only selected rows: the indices of these rows in the compiled module.
+        # Indices of the rows in the compiled module, if this table contains only selected rows.
         self._places = places
 
     if TYPE_CHECKING:
@@ -1032,7 +1032,7 @@ class Ellipse(NamedTuple):
     sticking_share : float
         Fraction of the load that is carried by points that stick.
     rolling_lines : list of float
-        Positions of the lines of pure rolling across the groove, divided by the semi-axis.
+        Positions of the lines of pure rolling, measured across the groove and divided by the semi-axis.
     spin_poles : list of list of float
         Positions of the points without slip, divided by the semi-axes.
     places : array
@@ -1648,7 +1648,7 @@ def sensitivities(case: Point = None, /, **question: Unpack[Question]) -> Table:
     Returns
     -------
     Table
-        Table with one row per input, ordered by the effect of the input. `input` and `value` are its name and value.
+        Table with one row per input, ordered by its effect. `input` and `value` are the name and the value of the input.
         `efficiency` and `ball_torque_Nm` are derivatives per unit of the input; `efficiency_relative` and
         `ball_torque_relative` are changes in percent per percent of the input.
 
@@ -1732,7 +1732,7 @@ def solve_many(
     missing : {"invalid", "base"}
         Meaning of null: "invalid" rejects the row, and "base" uses the value of `base`. NaN is always invalid.
     progress : bool or callable, optional
-        True shows a line on standard error if it is a terminal. A function is called with the number of finished rows
+        True shows the progress if standard error is a terminal. A function is called with the number of finished rows
         and the total number of rows.
     threads : int, optional
         Number of threads. Defaults to the environment variable RAYON_NUM_THREADS or, if it is not set, to the number of
@@ -1844,13 +1844,13 @@ def _kept_values(column: _core.KeptColumn) -> NDArray[Any]:
 
 
 def _read_frame(frame: Any, keep: list[str]) -> list[tuple[str, Any]]:
-    """Read each column of a frame as texts, or as numbers together with the rows that have no value."""
+    """Read each column of a data frame as texts, or as numbers with the indices of the rows without a value."""
     try:
         return _core.read_arrow(frame, keep)
     except ImportError:
         import numpy as np
 
-        # Without pyarrow, pandas passes NaN as null.
+        # Without pyarrow, a missing value in pandas is a NaN.
         read: list[tuple[str, Any]] = []
         for name in frame.columns:
             if name in keep:

@@ -94,7 +94,7 @@ def many(frame: object, model: Model, outputs: Sequence[Output] | None) -> Calla
 
 
 def of_batch() -> list[Row]:
-    """Measure rows 1 to 3 of the table."""
+    """Measure rows 1 to 3 of the table: solves of many rows in one call."""
     rows = []
     models: list[tuple[Model, int]] = [("closed-form", ROWS), ("rigid", ROWS), ("raceway-control", ROWS), ("traction", 30_000)]
     for model, count in models:

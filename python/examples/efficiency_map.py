@@ -50,7 +50,7 @@ bs.plot.curves(
 )
 figure.savefig("efficiency_map.svg")
 
-# %% Write the torque as a table of load and speed for a drive model.
+# %% Write a table of the torque as a function of load and speed for a drive model.
 table = grid.to_pandas().pivot(index="axial_load_N", columns="screw_speed_rpm", values="ball_torque_Nm")
 table.to_csv("torque.csv")
 assert np.isfinite(table.to_numpy()).all()

@@ -63,7 +63,7 @@ class BallScrew(Fmi2Slave):  # type: ignore[misc, unused-ignore]
 
 
 def main() -> None:
-    """Build the unit in the current folder, and simulate it."""
+    """Build the functional mock-up unit in the current folder, and simulate it."""
     from pythonfmu.builder import FmuBuilder
 
     with tempfile.TemporaryDirectory() as folder:

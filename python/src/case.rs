@@ -101,7 +101,7 @@ impl<'py> FromPyObject<'_, 'py> for How {
     }
 }
 
-/// Converts settings to a tuple, which [`How`] can convert back.
+/// Converts settings to a tuple, which [`How`] can convert back to settings.
 pub(crate) fn keywords(settings: Settings) -> Keywords {
     let Settings { model, tolerance, accuracy, creep, control, friction } = settings;
     let control = control.map(|raceway| raceway.name().to_owned());

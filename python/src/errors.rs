@@ -144,7 +144,7 @@ fn invalid(message: &str, about: &About<'_>, hint: &str) -> PyErr {
     })
 }
 
-/// Creates an exception whose class has the given name in the package.
+/// Creates an exception of the class with the given name in `ballscrew._errors`.
 fn made(
     kind: &str,
     make: impl for<'py> FnOnce(Python<'py>, Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>>,

@@ -111,7 +111,7 @@ impl Rows {
         }
     }
 
-    /// Returns for each row the index of the model, together with the list of model names.
+    /// Returns the index of the model for each row, together with the list of model names.
     fn models(&self) -> Words {
         let names: Vec<_> = ModelChoice::names().collect();
         let place = |verdict: &Verdict| match verdict.model {
@@ -121,7 +121,7 @@ impl Rows {
         (codes(self.verdicts.iter().map(place).collect()), names)
     }
 
-    /// Returns for each row the index of the status, together with the list of status names.
+    /// Returns the index of the status for each row, together with the list of status names.
     fn statuses(&self) -> Words {
         let names = Status::ALL.map(Status::name).to_vec();
         (codes(self.verdicts.iter().map(|verdict| verdict.status as u8).collect()), names)
@@ -341,7 +341,8 @@ pub(crate) fn sweep(
     Ok((drive(py, &task, Origin::Grid(grid), len, (threads, progress, text))?, axes))
 }
 
-/// A set of threads, with the id of its process and the requested number of threads.
+/// A set of worker threads, with the id of the process that owns the set and the requested number
+/// of threads.
 type ThreadSet = (u32, Option<NonZeroUsize>, Arc<Workers<'static>>);
 
 /// The sets of threads of this process, one set for each requested number of threads. A forked
@@ -352,8 +353,8 @@ static HELD: Mutex<Vec<ThreadSet>> = Mutex::new(Vec::new());
 /// stop flag.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
-/// Returns the set that has the requested number of threads. A set is started when it is first
-/// requested.
+/// Returns the thread pool with the requested number of threads. The pool is started when it is
+/// first requested.
 fn workers(threads: Option<NonZeroUsize>) -> Result<Arc<Workers<'static>>> {
     let threads = threads.or_else(|| std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok());
     let process = std::process::id();

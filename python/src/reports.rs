@@ -377,7 +377,7 @@ pub(crate) struct Nuts(Box<dyn Fn(usize) -> Option<Value> + Send + Sync>);
 
 #[pymethods]
 impl Nuts {
-    /// Returns the nut in a row as a case.
+    /// Returns the case of the nut in the given row.
     fn case(&self, row: usize) -> Result<Case> {
         let case = (self.0)(row).ok_or_else(|| Error::from(format!("no row {row}")))?;
         Case::checked(case_of(case)?)
@@ -439,9 +439,9 @@ type ManufacturerTable = (
 );
 
 /// Compares the catalog data in a manufacturer's table with calculated values. Returns the numeric
-/// columns and, for each nut, its name, whether it passes the rules of a requirement (`None` if
-/// undecided) with the names of the failed rules, and how its groove was determined. Also returns
-/// warnings, and the nuts as cases.
+/// columns. For each nut, also returns its name, whether it passes the rules of a requirement
+/// (`None` if undecided), the names of the failed rules, and how its groove was determined. The
+/// result also contains warnings, and the nuts as cases.
 ///
 /// * `table`: manufacturer's table as CSV text.
 /// * `names`: map from the column names of the table to the names of the program.

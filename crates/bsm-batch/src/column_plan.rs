@@ -12,8 +12,8 @@ use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
 use crate::{Cell, Chunk, Columns};
 
-/// Source of the values of a kernel input. The first row of the following table whose condition is
-/// true determines the source.
+/// Source of the values of a kernel input. The first row of the following table in which the
+/// condition is true determines the source.
 ///
 /// | the input | source | value in a row |
 /// |---|---|---|

@@ -74,7 +74,7 @@ pub struct FolderScan {
     pub parts: BTreeMap<u64, Part>,
     /// Files that have the name of a part but are damaged or are not in the plan.
     pub damaged: Vec<(PathBuf, PartDefect)>,
-    /// All other files in the data folder.
+    /// Files in the data folder that do not have the name of a part.
     pub unknown_files: Vec<PathBuf>,
 }
 
@@ -243,7 +243,7 @@ impl Dataset {
         &self.plan
     }
 
-    /// Returns the path of the file of a part.
+    /// Returns the path of the part file with the given number.
     pub fn part_file(&self, number: u64) -> PathBuf {
         self.folder.part(number)
     }

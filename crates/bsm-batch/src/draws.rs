@@ -66,8 +66,7 @@ impl RandomInput {
     /// Assigns a probability distribution to an input.
     ///
     /// * `name`: name of the input, which may end with any supported unit.
-    /// * `distribution`: probability distribution of the value, in the unit with which the name
-    ///   ends.
+    /// * `distribution`: probability distribution of the value, in the unit at the end of `name`.
     ///
     /// # Errors
     ///

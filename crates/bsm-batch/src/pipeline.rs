@@ -135,7 +135,7 @@ pub enum RunError {
     /// The operating system did not start a thread.
     #[error("cannot start a thread: {0}")]
     Thread(io::Error),
-    /// The stop flag of the workers became true.
+    /// The run was stopped through the stop flag of the workers.
     #[error("stopped")]
     Stopped,
 }

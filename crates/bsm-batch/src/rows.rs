@@ -346,7 +346,7 @@ fn text_column<T>(
     Arc::new(words.finish())
 }
 
-/// Converts the values of an output to an Arrow column of the type that this output has.
+/// Converts the values of an output to an Arrow column with the data type of the output.
 fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
     let count = |x: &f64| (!x.is_nan()).then_some(*x as u64);
@@ -385,7 +385,7 @@ enum ArrowColumn<'a> {
 }
 
 impl<'a> Cells<'a> {
-    /// Returns access to the cells of a table. `chunk` is the chunk from which the table was
+    /// Creates a view of the cells of a table. `chunk` is the chunk from which the table was
     /// created.
     ///
     /// # Errors

@@ -384,7 +384,7 @@ impl ChunkSolve<'_> {
         partial
     }
 
-    /// Calculates the given outputs of a case. Returns its status and its message, as
+    /// Calculates the given outputs of a case. Returns the status and the message, as
     /// [`row`](Self::row) does.
     fn results(
         &self,

@@ -131,7 +131,7 @@ impl<W: Write + Send> TableSink<W> {
         Ok(Self { outputs: outputs.to_vec(), ..this })
     }
 
-    /// Starts a table whose rows are not solved points.
+    /// Starts a table with arbitrary columns, for rows that are not solved points.
     ///
     /// # Errors
     ///

@@ -22,8 +22,8 @@ pub(crate) struct Reply<'a> {
     pub(crate) title: Option<String>,
     /// Named answers. If there are several, each answer becomes a member of one JSON object.
     pub(crate) parts: Vec<(&'static str, Answer)>,
-    /// Case that is written to the JSON file instead of the answer. The value is null if the
-    /// command found no case, and `None` if the command writes the answer.
+    /// Case that is written to the JSON file instead of the answer. The value is JSON null if the
+    /// command found no case. The field is `None` if the command writes the answer.
     pub(crate) case: Option<Value>,
     /// Function that writes the table of the answer; `None` if the answer has no table.
     pub(crate) table: Option<WriteTable<'a>>,

@@ -196,7 +196,7 @@ impl CaseArgs {
         files::read_case(self.case.as_deref(), &with_units(&self.settings, self.units.as_ref()))
     }
 
-    /// Reads a second case file and applies the settings of the first case.
+    /// Reads a second case file and applies the same settings as for the first case.
     pub(crate) fn read_other(&self, path: &Path) -> Result<Case, Failure> {
         files::read_case(Some(path), &with_units(&self.settings, self.units.as_ref()))
     }
@@ -384,8 +384,8 @@ impl NamedTableArgs {
         }
     }
 
-    /// Returns an error if one of the options for tables is given although no table is read, and the
-    /// output does not have the same format.
+    /// Returns an error if an option for input tables is given although no table is read. Format
+    /// options are permitted if they also determine the format of the output.
     ///
     /// * `table`: name of the option that specifies the table.
     pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {

@@ -10,8 +10,8 @@ use crate::failure::{Failure, print_message};
 use crate::files;
 use crate::table_job::run_failure;
 
-/// Maximum number of points of a lookup table. All points must fit into memory, both here and in
-/// the drive model.
+/// Maximum number of points of a lookup table. All points must fit into the memory of this program
+/// and of the drive model.
 const MAX_POINTS: usize = 10_000_000;
 
 /// Format of a lookup table.

@@ -20,7 +20,7 @@ use crate::table_job::{dataset_failure, repair_advice};
 use crate::unfinished;
 
 /// Number of rows above which the program recommends calculating the results again instead of
-/// storing them. Reading a terabyte from files takes longer than this calculation.
+/// storing them. Reading a terabyte from files takes longer than calculating these rows again.
 const MANY_ROWS: u64 = 10_000_000_000;
 
 /// Opens the dataset that is stored in a folder.

@@ -200,7 +200,7 @@ impl Job<'_> {
         Err(Failure::not_built("parquet"))
     }
 
-    /// Refuses to write a folder of parts.
+    /// Returns an error, because a folder of parts requires the feature `parquet`.
     #[cfg(not(feature = "parquet"))]
     fn fill_folder(
         &self,

@@ -67,8 +67,8 @@ mod signals {
     const INTERRUPTS: [i32; 9] =
         [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM];
 
-    /// Waiting time after the signal SIGXFSZ, within which a failed write of this program reports
-    /// its error.
+    /// Time to wait after the signal SIGXFSZ, so that a failed write of this program can report its
+    /// error.
     const WRITE_ERROR_DELAY: Duration = Duration::from_millis(200);
 
     /// Ensures that the program ends with exit code 1 if memory runs out or a file exceeds the size

@@ -123,7 +123,7 @@ impl Nut {
     /// ```math
     /// J_s = \frac{\pi\rho d_s^4}{32}l - \frac{2\pi\rho\,z\,l}{P_h}\int_{r_r}^{d_s/2} r^3 w\,dr, \qquad w = \frac{2}{\cos\alpha}\big[\sqrt{R^2 - y^2} - k\big]
     /// ```
-    /// The mass is calculated with an integral that contains `$r$` instead of `$r^3$`.
+    /// For the mass, the integral contains `$r$` instead of `$r^3$`.
     fn screw_mass_and_inertia(&self, thread: &Thread) -> (f64, f64) {
         let Profile { radius, offset, height, land, .. } = thread.screw;
         let [meet, edge] = thread.screw.ends();

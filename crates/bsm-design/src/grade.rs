@@ -39,7 +39,7 @@ static GRADES: LazyLock<Vec<Grade>> = LazyLock::new(|| {
 /// Source: HIWIN BS-08-2, table 3.16, for P0 to P7; THK A-688, table 13, for C0 to C5.
 const TORQUE_VARIATIONS: &str = include_str!("torque_variations.csv");
 
-/// Thread length \[m\] above which the rows without a length apply.
+/// Thread length \[m\] above which the table rows without a length apply.
 const LONG: f64 = 4.0;
 
 /// Accuracy grade of a screw.
@@ -218,8 +218,9 @@ mod tests {
     }
 
     /// Every entry matches the tables of HIWIN (table 3.16: P0, P1, P3, P5, P7) and THK (table 13:
-    /// C0, C1, C2 = C3, C5), at the upper limit of its torque range and just above the lower limit,
-    /// for threads with a slenderness of up to 40, up to 60, and longer than 4 m.
+    /// C0, C1, C2 = C3, C5). Each entry is checked at the upper limit and just above the lower
+    /// limit of its torque range. The three threads have a slenderness of up to 40, a slenderness
+    /// of up to 60, and a length of more than 4 m.
     #[test]
     fn variations_of_the_preload_torque_match_the_tables() {
         const PRINTED: &str = "\

@@ -31,8 +31,8 @@ pub const MIN_EVIDENCE: f64 = -7.0;
 /// Log evidence above which a corrected [`CatalogMistake`] of a rejected row is suggested.
 const MISTAKE_EVIDENCE: f64 = -3.0;
 
-/// Excess of the dynamic rating relative to the static rating (logarithm, AB1). If the excess is
-/// larger, the rating is assumed to be raised for clean steel.
+/// Limit for the excess of the dynamic rating relative to the static rating (logarithm, AB1). Above
+/// this limit, the rating is assumed to be raised for clean steel.
 const CLEAN_STEEL_EXCESS: f64 = 0.15;
 
 /// Minimum total probability of the balls in [`GrooveEstimate::likely_balls`].
@@ -191,8 +191,8 @@ impl CatalogMistake {
         Self::LeadOverTen,
     ];
 
-    /// Returns the row after correcting this mistake. Returns `None` if the mistake concerns the
-    /// static rating and the row has no static rating.
+    /// Returns the catalog row with this mistake corrected. Returns `None` if the mistake concerns
+    /// the static rating and the row has no static rating.
     fn of(self, line: &CatalogLine) -> Option<CatalogLine> {
         let ratings = |factor: f64| CatalogLine {
             dynamic_rating: factor * line.dynamic_rating,
@@ -636,7 +636,7 @@ mod tests {
         near(line(40.0, 20.0, 51_300.0, 144_400.0), 1.504);
     }
 
-    /// The catalog row prints a static rating of 10 117 N instead of 101 170 N.
+    /// The catalog row states a static rating of 10 117 N instead of the correct 101 170 N.
     #[test]
     fn misprinted_row_is_rejected_with_the_correct_reading() {
         let refused = line(50.0, 5.0, 24_900.0, 10_117.0).estimate().expect_err("a misprint");
@@ -744,8 +744,8 @@ mod tests {
         assert!(probability(raised) > 0.5 && probability(sfu()) < 0.01);
     }
 
-    /// The ratings of every combination are calculated only once, so that the lengths of the lists
-    /// limit the cost of an estimate.
+    /// The ratings of each combination are calculated only once, so the cost of an estimate is
+    /// limited by the lengths of the lists.
     #[test]
     fn number_of_groove_hypotheses_for_a_catalog_row_is_bounded() {
         for (nominal, lead) in [(8.0, 2.0), (16.0, 5.0), (40.0, 20.0), (100.0, 20.0)] {

@@ -177,7 +177,7 @@ const RELIABILITY: [(f64, f64); 6] =
 
 /// Returns the life that a given percentage of all nuts reaches, divided by the life that 90 %
 /// reach (Z14). Between the values of the standard, the factor is calculated from the Weibull
-/// distribution from which these values were rounded.
+/// distribution. The values of the standard are rounded values of this distribution.
 ///
 /// * `percent`: reliability, limited to the range from 90 to 99.
 ///

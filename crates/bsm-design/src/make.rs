@@ -78,9 +78,9 @@ mod tests {
 
     use super::*;
 
-    /// The limits match rows of the THK table for leads of half the diameter and of less than half
-    /// the diameter. The land diameter of a screw with a nominal diameter of 20 mm differs from 20
-    /// mm.
+    /// The limits match rows of the THK table: one row with a lead of half the diameter, and rows
+    /// with a smaller lead. The land diameter of a screw with a nominal diameter of 20 mm differs
+    /// from 20 mm.
     #[test]
     fn the_speed_number_depends_on_the_manufacturing_method() {
         let workshop = |make: Make, lead, land| make.speed_number(lead, land) * 60e3 / TAU;

@@ -291,7 +291,8 @@ impl PhasePoint {
     }
 
     /// Returns the point with the larger absolute load. If both loads are equal, returns the point
-    /// whose load acts against the motion, and otherwise the faster point.
+    /// whose load acts against the motion. If this criterion does not decide, returns the faster
+    /// point.
     #[must_use]
     pub fn heavier(self, other: Self) -> Self {
         if self.compare(&other).is_gt() { self } else { other }

@@ -52,7 +52,8 @@ const ACTIVE_MARGIN: f64 = 2e-3;
 pub struct BindingLimit {
     /// Quantity to which the limit applies.
     pub quantity: DesignQuantity,
-    /// Best objective without this limit; available only for standard sizes.
+    /// Best value of the objective if this limit is removed. Available only in searches over
+    /// standard sizes.
     pub without: Option<f64>,
 }
 
@@ -75,10 +76,10 @@ pub enum Outcome {
     Infeasible {
         /// The screw with the smallest violation of the limits.
         design: Design,
-        /// The blocking limits. A limit is blocking if all other limits can be met after removing
-        /// it. If no such limit exists, these are the limits that `design` violates. The list is
-        /// empty if the model gives no efficiency for any screw, or if all screws within the limits
-        /// violate a rule based on all ball loads.
+        /// Limits that prevent a solution. A limit prevents a solution if all other limits can be
+        /// met after removing it. If no such limit exists, the list contains the limits that
+        /// `design` violates. The list is empty if the model gives no efficiency for any screw, or
+        /// if all screws within the limits violate a rule based on all ball loads.
         blocking: Vec<ActiveLimit>,
     },
 }

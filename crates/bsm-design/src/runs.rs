@@ -61,8 +61,8 @@ mod tests {
 
     use super::*;
 
-    /// Wald and Wolfowitz: of the 70 orders of four positive and four negative signs, 2 have two
-    /// runs, 6 have three runs and 18 have four runs.
+    /// Example of Wald and Wolfowitz: of the 70 arrangements of four positive and four negative
+    /// signs, 2 have two runs, 6 have three runs and 18 have four runs.
     #[test]
     fn probabilities_of_the_number_of_runs_match_counted_sign_sequences() {
         let of = |signs: &[f64]| SignRuns::of(signs.iter().copied()).expect("both signs");

@@ -42,7 +42,8 @@ impl Screw {
         )
     }
 
-    /// Returns the typical core diameter \[m\] of a screw whose catalog does not print it (Z30).
+    /// Returns the typical core diameter \[m\] of a screw if the catalog does not state the core
+    /// diameter (Z30).
     ///
     /// * `nominal`, `lead`: nominal diameter \[m\] and lead \[m\].
     /// * `ball`: ball diameter \[m\], or `None` if it is not known.
@@ -54,8 +55,8 @@ impl Screw {
         ball.map_or((nominal - 0.5 * lead).max(0.84 * nominal), |ball| nominal - 0.84 * ball)
     }
 
-    /// Returns the typical mass per meter \[kg/m\] of a screw whose catalog does not print it
-    /// (Z31). The value is accurate to about 20 %.
+    /// Returns the typical mass per meter \[kg/m\] of a screw if the catalog does not state the
+    /// mass (Z31). The value is accurate to about 20 %.
     ///
     /// * `nominal`, `core`: nominal and core diameter \[m\].
     ///

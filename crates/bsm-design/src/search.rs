@@ -143,8 +143,8 @@ pub fn sign_changes<E: Into<SearchError>>(
 /// Returns the derivative of a function at a root, calculated as a difference quotient. At an end
 /// of the range, the difference is one-sided, because the function may be undefined beyond the end.
 ///
-/// * `width`: distance between the grid points next to the root. It determines the step if the root
-///   is zero or close to zero.
+/// * `width`: distance between the grid points next to the root. It determines the step of the
+///   difference quotient if the root is zero or close to zero.
 fn slope_at<E>(
     function: impl Fn(f64) -> Result<f64, E>,
     at: f64,
@@ -344,8 +344,8 @@ mod tests {
         assert!((found.roots[0].slope - 2.0).abs() < 1e-12, "{found:?}");
     }
 
-    /// A step from -1 to 2 does not count as a root, neither at 3 nor at zero, but a steep ramp at 3
-    /// has a root.
+    /// A jump from -1 to 2 does not count as a root, whether it occurs at 3 or at zero. A steep
+    /// ramp at 3 has a root.
     #[test]
     fn a_jump_across_zero_does_not_count_as_a_root() {
         let step = |x: f64| Ok::<_, SearchError>(if x < 3.0 { -1.0 } else { 2.0 });

@@ -239,8 +239,9 @@ mod tests {
         assert_eq!(nut.contact_angle_of(n.radius + s.radius + 1e-9), None);
     }
 
-    /// When the play is taken up, the ball touches both arcs at the contact angle, so the line
-    /// through both arc centers has the contact angle to the radial direction.
+    /// When the play is taken up, the ball touches both arcs at the contact angle. The angle
+    /// between the radial direction and the line through both arc centers is then equal to the
+    /// contact angle.
     #[test]
     fn ball_touches_both_arcs_at_the_contact_angle_without_play() {
         let nut = nut();

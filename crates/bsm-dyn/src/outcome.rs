@@ -126,8 +126,8 @@ pub enum Reason {
         /// Slip speed at contact A along the friction direction of this contact, divided by
         /// `$r_b|W|$`; zero or negative.
         slip: f64,
-        /// True if `slip` satisfies the equations, which were continued beyond rolling; false if it
-        /// is the first-order value.
+        /// True if `slip` satisfies the sliding equations, which are continued beyond the point at
+        /// which the ball rolls. False if `slip` is the first-order value.
         exact: bool,
     },
     /// The contact on the unloaded flank of the nut (A') would have to act in tension.
@@ -345,7 +345,7 @@ impl fmt::Display for Reason {
 impl Error for Reason {}
 
 impl From<Report> for Reason {
-    /// Converts the report of a Newton solve that did not converge.
+    /// Creates the reason from the report of a Newton solve that did not converge.
     fn from(report: Report) -> Self {
         Self::Newton {
             status: report.status,

@@ -75,7 +75,7 @@ pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
     pub(super) out: &'a mut Sink<'c, 'd>,
 }
 
-/// Results for rolling balls that the model selection by error bounds uses.
+/// Results for rolling balls that are needed to select a model by its error bound.
 pub(super) struct RacewayNumbers<S: Simd> {
     pub(super) efficiency: Lane<S>,
     /// Onset number (W11), and slip across the groove.

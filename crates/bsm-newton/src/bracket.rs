@@ -75,7 +75,7 @@ pub enum RootResult {
     NotFinite {
         /// Point at which the search stopped.
         x: f64,
-        /// Function value at this point.
+        /// Function value at `x`.
         value: f64,
     },
 }

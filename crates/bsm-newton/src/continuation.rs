@@ -14,9 +14,9 @@ pub struct Continuation {
 ///
 /// On entry, `y` is an initial guess for the root at `begin`. On success, it is the root at `end`.
 ///
-/// `solve` must replace a guess by the root for a given parameter and return whether it converged.
-/// Each guess is extrapolated linearly from the last two roots. The step length increases by half
-/// after a success and is halved after a failure.
+/// `solve` must replace a guess by the root for a given parameter, and must return true if the
+/// iteration converged. Each guess is extrapolated linearly from the last two roots. The step
+/// length increases by half after a success and is halved after a failure.
 ///
 /// # Errors
 ///

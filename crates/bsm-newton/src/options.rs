@@ -51,7 +51,8 @@ pub enum Progress {
 impl Progress {
     /// Returns the status of an iteration that cannot take another step for the given reason.
     ///
-    /// If the iteration was only refining a solution, it has converged regardless of the reason.
+    /// An iteration that was only refining a solution has converged, regardless of the reason why
+    /// it ended.
     pub(crate) fn ended_by(self, reason: Termination) -> Termination {
         if self == Self::Refining { Termination::Converged } else { reason }
     }

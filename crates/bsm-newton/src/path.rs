@@ -15,8 +15,8 @@ use crate::{
 /// J\,t = \operatorname{sgn}(\det J)\,e_N
 /// ```
 ///
-/// The orientation is consistent along the whole curve, including folds, and does not depend on the
-/// planes. The length is arbitrary.
+/// The orientation of the direction is consistent along the whole curve, including folds, and does
+/// not depend on the choice of the plane. The length of the returned vector is arbitrary.
 ///
 /// * `f_scale`: reciprocals of the typical magnitudes of the residuals, as in
 ///   [`Scales::f`](crate::Scales::f).

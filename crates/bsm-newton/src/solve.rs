@@ -22,7 +22,7 @@ pub struct Workspace<const N: usize> {
 /// Content of the matrix in a workspace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Content {
-    /// The matrix is not valid.
+    /// The matrix contains no valid data.
     Stale,
     /// The matrix contains the Jacobian at the last iterate or trial point.
     Jacobian,

@@ -14,9 +14,11 @@ use nalgebra::{Matrix2, Vector2};
 /// Flanks on which the balls of a circuit can carry load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flanks {
-    /// Only the flanks on which balls push the nut along +z relative to the screw.
+    /// Balls carry load only on the flanks on which they push the nut along +z relative to the
+    /// screw.
     Plus,
-    /// Only the flanks on which balls push the nut along −z relative to the screw.
+    /// Balls carry load only on the flanks on which they push the nut along −z relative to the
+    /// screw.
     Minus,
     /// Both flanks of the gothic arches.
     Both,
@@ -199,7 +201,7 @@ impl FourContacts {
 }
 
 /// Returns the inverse of a symmetric positive semidefinite matrix, or `None` if the matrix is
-/// singular except for rounding errors.
+/// singular to within rounding errors.
 fn inverse(a: Matrix2<f64>) -> Option<Matrix2<f64>> {
     let determinant = a.determinant();
     let is_regular = determinant > 1e-13 * a[(0, 0)] * a[(1, 1)] && determinant.is_finite();

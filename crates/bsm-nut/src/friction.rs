@@ -86,8 +86,8 @@ pub struct BallModel {
 }
 
 impl BallModel {
-    /// Returns the model of a solution, with the choices that were made for it, or `None` if there
-    /// is no solution.
+    /// Returns the model of a solution, with its controlling raceway and its quadrature accuracy,
+    /// or `None` if there is no solution.
     fn of(solution: &Solution) -> Option<Self> {
         let solved = solution.steady_state()?;
         let accuracy = solution.choice.and_then(|choice| match choice.basis {

@@ -45,7 +45,7 @@ pub enum LeadError {
         /// Phase `$\varphi$` \[rad\].
         phase: f64,
     },
-    /// A linear error `$s\,(z - z_0)$`.
+    /// An error that is a linear function of the axial position, `$s\,(z - z_0)$`.
     Slope {
         /// Slope `$s$`: change of the axial error per unit of axial position (dimensionless).
         slope: f64,

@@ -39,7 +39,7 @@ pub struct Advance {
 }
 
 impl Advance {
-    /// Returns the largest needed gap of all circuits \[m\].
+    /// Returns the largest required gap of all circuits \[m\].
     pub fn largest_gap(&self) -> f64 {
         let largest = self.circuits.iter().map(|circuit| circuit.needed_gap).fold(0.0, f64::max);
         // Gaps below a nanometer are rounding errors.
@@ -545,8 +545,8 @@ impl Flow<'_> {
         gained - self.ball_gap / self.pitch()
     }
 
-    /// Returns the difference between the resulting and the given ball gap, calculated with ball
-    /// rates that are linear functions of the push forces.
+    /// Returns the difference between the resulting and the given ball gap, assuming that the
+    /// precession rate of each ball is a linear function of the push forces.
     fn linear(&self, rate: f64) -> f64 {
         let mut entry = 0.0;
         let mut surplus = 0.0;

@@ -8,7 +8,7 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// Always returns this error.
+    /// Always returns [`ReportError::NotBuilt`].
     pub fn svg(&self) -> Result<String, ReportError> {
         Err(ReportError::NotBuilt)
     }
@@ -17,7 +17,7 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// Always returns this error.
+    /// Always returns [`ReportError::NotBuilt`].
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         Err(ReportError::NotBuilt)
     }
@@ -26,7 +26,7 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// Always returns this error.
+    /// Always returns [`ReportError::NotBuilt`].
     pub fn inline_svg(&self) -> Result<String, ReportError> {
         Err(ReportError::NotBuilt)
     }
@@ -37,7 +37,7 @@ impl Map {
     ///
     /// # Errors
     ///
-    /// Always returns this error.
+    /// Always returns [`ReportError::NotBuilt`].
     pub fn svg(&self) -> Result<String, ReportError> {
         Err(ReportError::NotBuilt)
     }
@@ -46,7 +46,7 @@ impl Map {
     ///
     /// # Errors
     ///
-    /// Always returns this error.
+    /// Always returns [`ReportError::NotBuilt`].
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         Err(ReportError::NotBuilt)
     }

@@ -34,7 +34,8 @@ fn exponent(x: f64) -> f64 {
     f64::from_bits(x.to_bits() >> 52 | 0x4330_0000_0000_0000) - (TWO_TO_52 + 1023.0)
 }
 
-/// Returns the mantissa, which is the number divided by two raised to its exponent, in [1, 2).
+/// Returns the mantissa of a number, which is in [1, 2). It is the number divided by two raised to
+/// the exponent of the number.
 #[inline(always)]
 fn mantissa(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & 0x000f_ffff_ffff_ffff | 0x3ff0_0000_0000_0000)

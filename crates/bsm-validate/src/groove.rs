@@ -123,7 +123,8 @@ impl<'a> TestSet<'a> {
         [usual, halves].into_iter().chain(makers.into_iter().map(of_maker)).collect()
     }
 
-    /// Returns a claim that also states the number of rows and describes the set.
+    /// Returns the text of a claim, followed by the number of rows and the description of this set
+    /// of rows.
     fn claim(&self, what: &str) -> String {
         format!("{what}, {} rows; {}", self.rows.len(), self.words)
     }
@@ -137,7 +138,7 @@ impl<'a> TestSet<'a> {
     }
 }
 
-/// Value of `half` for the rows to which the built-in prior was fitted.
+/// Value of the field `half` in the catalog rows to which the built-in prior was fitted.
 const FITTED: &str = "public";
 
 /// Fits a prior to catalog rows. All manufacturers have the same total weight.

@@ -212,12 +212,12 @@ struct CatalogRow {
 /// Ratios of the stiffness in the catalog to the calculated stiffness. The calculations include
 /// different elastic parts.
 struct Ratios {
-    /// Ratios for a single nut at 0.3 times the load rating. The three calculations include the
-    /// contacts only; contacts and ring; and contacts, ring and bars.
+    /// Stiffness ratios for a single nut at 0.3 times the load rating. The three values are
+    /// calculated with the contacts only, with contacts and ring, and with contacts, ring and bars.
     single: [f64; 3],
-    /// Ratios for a pair with a preload of 0.1 times the load rating. The calculations include
-    /// contacts and ring. The three values are calculated with three definitions of the stiffness:
-    /// 2, 2^1.5 and 3 times F_p/δ_p.
+    /// Ratios of the stiffness in the catalog to the calculated stiffness, for a pair with a
+    /// preload of 0.1 times the load rating. The calculations include contacts and ring. The three
+    /// values are calculated with three definitions of the stiffness: 2, 2^1.5 and 3 times F_p/δ_p.
     pair: [f64; 3],
 }
 

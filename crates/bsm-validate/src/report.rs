@@ -102,7 +102,7 @@ impl Check {
 
     /// Sets the number of curves that follow a published trend (`held` of `curves`). If the numbers
     /// differ from the recorded numbers, the results have changed, and the check fails. Otherwise,
-    /// the check passes if all curves follow the trend, and is a finding if some do not.
+    /// the verdict is `Pass` if all curves follow the trend, and `Finding` if some curves do not.
     pub(crate) fn follows(mut self, held: usize, curves: usize, recorded: (usize, usize)) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a few curves")]
         let [measured, claimed] = [held, curves].map(|n| n as f64);

@@ -59,7 +59,7 @@ struct Row {
     /// Expected number of points without a value, by default 0.
     missing: Option<usize>,
     unit: String,
-    /// Condition for the value. If it is missing, the check is a finding.
+    /// Condition for the value. If there is no condition, the verdict of the check is `Finding`.
     rule: Option<Rule>,
     claimed: Option<f64>,
     /// Permitted difference from the claimed value, or limit of the value.

@@ -144,7 +144,7 @@ fn named<'a>(study: &'a Study, name: &'a str) -> impl Iterator<Item = &'a NamedC
 }
 
 impl Row {
-    /// Compares all curves of a study to which this row applies with the claim.
+    /// Compares the claim with all curves of a study to which this row applies.
     fn trends(&self, study: &Study) -> Vec<Trend> {
         let one = |name: &str| match name.split_once('/') {
             None => named(study, name).filter_map(|curve| self.trend(curve)).collect::<Vec<_>>(),
@@ -156,8 +156,8 @@ impl Row {
         self.curves.split(' ').flat_map(one).collect()
     }
 
-    /// Returns the ratio of two curves. If the claim is about changes of the curves, this is the
-    /// change of the first curve divided by the change of the second.
+    /// Returns the ratio of two curves. If the claim is about changes of the curves, returns the
+    /// change of the first curve divided by the change of the second curve.
     fn ratio(&self, above: &NamedCurve, below: &NamedCurve) -> NamedCurve {
         let (mut label, mut points) =
             (format!("{} divided by {}", above.label, below.label), Vec::new());

@@ -34,7 +34,7 @@ def example(name: str) -> Path:
 
 
 def bsm(*arguments: str | Path) -> str:
-    """Return the output of the program. A point without a solution is accepted."""
+    """Return the output of the program. The exit code for a missing solution is accepted."""
     found = subprocess.run([BSM, *map(str, arguments)], capture_output=True, text=True, check=False)
     assert found.returncode in (0, 3), found.stderr
     return found.stdout

@@ -31,7 +31,8 @@ def table_of(case, *arguments) -> dict[str, str]:
     rows: dict[str, str] = {}
     for line in bsm("solve", case, *arguments).splitlines():
         if line.startswith(" "):
-            # Rows of the uncertainty band have the same labels and come later, so the first row is used.
+            # Rows of the uncertainty band repeat labels of earlier rows, so the first row with a
+            # label is used.
             rows.setdefault(re.split(r"\s{2,}", line.strip())[0], line.split()[-1])
     return rows
 
@@ -80,7 +81,8 @@ def test_numbers_after_a_slider_move_match_command_solve(serve, sheet):
 
 
 # Script that moves a slider `count` times, each time `pause` [ms] after the previous numbers are shown.
-# The script returns the times [ms] until the numbers and the pictures are shown, and the time of the server.
+# The script returns the times [ms] until the numbers and the pictures are shown, and the times that
+# the server takes.
 STEPS = """async ([name, count, pause]) => {
   const slider = document.querySelector(`[data-name=${name}] input[type=range]`), key = document.querySelector("#key");
   const steps = [], wait = (ms) => new Promise((then) => setTimeout(then, ms)), frame = () => new Promise((then) => requestAnimationFrame(() => setTimeout(then)));
@@ -108,8 +110,9 @@ def test_numbers_appear_within_100_ms_of_a_slider_move(serve, sheet, name, model
         sheet.again(lambda: page.select_option("#model", model))
     numbers, pictures, server = map(median, page.evaluate(STEPS, ["axial_load_N", 15, 20]))
     MEASURED.append(f"{name}, {model}: numbers appear {numbers:.0f} ms after a slider move ({server:.1f} ms in the server), pictures after {pictures:.0f} ms")
-    # The requirement is 50 ms, and a shared machine takes up to twice as long.
-    # Regression test: the time was 350 ms when 3D frames and outdated maps had priority.
+    # The required time is 50 ms, but a shared machine may take twice as long.
+    # Regression test: the numbers appeared only after 350 ms when 3D frames and outdated maps had
+    # priority.
     assert numbers < 100, numbers
 
 
@@ -120,7 +123,8 @@ def test_numbers_are_updated_at_least_ten_times_per_second_while_a_slider_moves(
     drag = "async () => { const slider = document.querySelector('[data-name=axial_load_N] input[type=range]'); for (let i = 0; i < 60; i += 1) { slider.value = 300 + 5 * i; slider.dispatchEvent(new Event('input', { bubbles: true })); await new Promise((then) => setTimeout(then, 16)); } }"
     sheet.again(lambda: page.evaluate(drag))
     # The slider moves for one second, and a shared machine draws at least ten frames per second.
-    # Regression test: there were only 5 updates when the page showed numbers after the slider had stopped.
+    # Regression test: there were only 5 updates in an earlier version, which showed the numbers
+    # only after the slider had stopped.
     assert page.evaluate("window.updates") >= 10
     load = case_of(page)["axial_load_N"]
     assert key(page, "ball_torque_Nm") == table_of(FEED, "--set", f"axial_load_N={load}")["torque of the balls"]
@@ -172,7 +176,8 @@ def test_a_decimal_comma_is_accepted(serve, sheet):
     assert case_of(page)["friction_coefficient"] == 0.07
     sheet.again(lambda: fill(sheet, "ball_diameter_mm", "6,5"))
     assert case_of(page)["ball_diameter_mm"] == 6.5
-    # A text that is not a number, or that could mean thousands or thousandths, is rejected.
+    # A text is rejected if it is not a number, or if its separator could be a decimal or a
+    # thousands separator.
     for text in ["1,500", "1.500,5", "1 5", "x"]:
         fill(sheet, "axial_load_N", text)
         page.locator("[data-name=axial_load_N] .wrong").wait_for(state="visible")
@@ -285,7 +290,7 @@ def test_figures_and_input_fields_use_the_selected_display_units(serve, sheet):
     sheet = sheet()
     page = sheet.open(serve(example("nut_double"), "--units", "inch").address)
     case = case_of(page)
-    # An input starts in the displayed unit, and the case keeps its own unit.
+    # The page shows the input in the displayed unit, while the case keeps its own unit.
     assert float(page.input_value("#in-axial_load_N")) == pytest.approx(case["axial_load_N"] / 4.4482216152605, rel=1e-9)
     assert page.locator("[data-name=axial_load_N] select option:checked").inner_text() == "lbf"
     words = {panel: page.inner_text(f"#{panel}") + page.locator(f"#{panel} svg").evaluate_all(
@@ -396,7 +401,7 @@ def test_axis_panel_shows_all_rules_and_saves_the_axis_sheet(serve, sheet, tmp_p
     with page.expect_download() as download:
         page.click("text=Save the sheet")
     bsm("axis", axis, "-o", tmp_path / "sheet.html")
-    # The sheet of the command also contains the name and the hash of its file.
+    # The sheet that the command writes also contains the name and the hash of the case file.
     written = re.sub(r" From axis.json, SHA-256 [0-9a-f]{64}\.", "", (tmp_path / "sheet.html").read_text())
     assert download.value.path().read_text() == written
     with page.context.expect_page() as opened:
@@ -405,7 +410,7 @@ def test_axis_panel_shows_all_rules_and_saves_the_axis_sheet(serve, sheet, tmp_p
     assert opened.value.locator("h1").count() == 1 and opened.value.locator("figure svg").count() > 0
     # The screw rotates, because its speed follows from the feed rate.
     assert re.search(r"Motion slowed [\d.]+ times", page.inner_text("#space"))
-    # The picture must be in 3D, and not the drawing for browsers without WebGL.
+    # The picture must be the 3D view, not the 2D drawing for browsers without WebGL.
     # Regression test: the page showed the 2D drawing because a name of the 3D library was
     # misspelled.
     assert page.locator("#space canvas").count() == 1
@@ -463,7 +468,7 @@ def test_warm_state_figure_shows_temperatures_and_thermal_fold(serve, sheet, tmp
     model = ("--model", "raceway-control")
     served, sheet = serve(warm, *model), sheet()
     sheet.page.goto(served.address)
-    # The time of the warm state is not limited; the test waits for the figure.
+    # The test sets no limit for the calculation time of the warm state, but waits for the figure.
     figure = sheet.page.locator("#nut figure", has_text="Warm preload against speed")
     figure.wait_for(timeout=120_000)
     report = json.loads(bsm("axis", warm, *model, "--json"))["warm"]
@@ -472,7 +477,8 @@ def test_warm_state_figure_shows_temperatures_and_thermal_fold(serve, sheet, tmp
         assert f"{five_digits(report[name])} °C" in words
     fold = 700 * report["fold_speed_factor"]
     shown = float(re.search(r"Above ([\d.]+) rpm", words)[1])
-    # The curve uses the friction of each contact, and the fold lies between two of its points.
+    # The fold lies between two points of the curve, which is calculated with the friction of each
+    # contact.
     assert shown == pytest.approx(fold, rel=0.1)
     assert "runs away" in words and figure.locator("svg circle").count() == 1
 
@@ -490,11 +496,13 @@ def test_balls_that_touch_are_marked_in_the_diagrams_of_the_nut(serve, sheet, tm
     assert figure.locator(".moving").count() == sum(pushed) > 40
     # Touching balls are marked in the diagrams of speed, force and advance.
     assert figure.locator(".touch").count() == 3 * sum(pushed)
-    # The style sheet of pictures must not replace the color of these marks by the background color.
+    # The style sheet of pictures must not replace the color of the marks for touching balls by the
+    # background color.
     assert figure.locator(".touch").first.evaluate("(mark) => getComputedStyle(mark).fill") == "rgb(138, 97, 0)"
     assert figure.locator(".push").count() == sum(ball["front_push_N"] > 0 for ball in balls)
-    # The marks of two free balls determine the scale of the speed axis.
-    # On this scale, all other marks and the line of the ball train must be at the calculated speeds.
+    # The scale of the speed axis is determined from the marks of two free balls.
+    # On the scale of the speed axis, all other marks and the line of the ball train must be at the
+    # calculated speeds.
     heights = [float(mark.get_attribute("cy")) for mark in figure.locator(".free").all()]
     slow, fast = (pick(range(98), key=lambda i: balls[i]["free_rate"]) for pick in (min, max))
     scale = (heights[fast] - heights[slow]) / (balls[fast]["free_rate"] - balls[slow]["free_rate"])
@@ -503,7 +511,7 @@ def test_balls_that_touch_are_marked_in_the_diagrams_of_the_nut(serve, sheet, tm
     of_pushed = [ball["rate"] for ball, is_pushed in zip(balls, pushed, strict=True) if is_pushed]
     assert moving == pytest.approx(of_pushed, rel=1e-8)
     [train] = json.loads(bsm("nut", case, "--json"))["circuits"]
-    # The path of the line has two decimal places.
+    # The coordinates in the path of the line have two decimal places.
     line = float(figure.locator(".train").get_attribute("d").split("L")[1].split(" ")[1])
     assert rate_at(line) == pytest.approx(train["train_rate"], abs=abs(0.01 / scale))
     # If the gaps are not given, it is unknown whether balls touch.
@@ -561,7 +569,7 @@ def differences(one: object, other: object, name: str = "") -> list[str]:
         return [text for pair in zip(one, other, strict=True) for text in differences(*pair, name)]
     if not isinstance(other, list | float | int) or isinstance(other, bool):
         return [] if one == other else [f"{name}: {one}, {other}"]
-    # Entries of a matrix are compared with the largest entry of their row, and angles with a full turn.
+    # Differences are relative to the largest entry of a matrix row, or to a full turn for angles.
     ones, others = (value if isinstance(value, list) else [value] for value in (one, other))
     floor = 360 if name.endswith("_deg") else 1 if name in DIFFERENCES else 0
     scale = max([abs(value) for value in others] + [floor])
@@ -622,7 +630,8 @@ def test_a_saved_page_calculates_without_a_server(save_page, sheet):
     assert sheet.errors == []
 
 
-# Two cases with results that only some cases have: estimated grooves and undecided rules in inch units, and third contacts.
+# Two cases with results that most cases do not have: estimated grooves and undecided rules in inch
+# units, and third contacts.
 SPECIAL = {
     "catalog line": {"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 51300, "rated_static_load_N": 144400, "axial_load_N": 100000, "screw_speed_rpm": 100, "stroke_mm": 500, "friction_coefficient": 0.08, "display_units": "inch"},
     "third contact": json.loads(example("nut_double").read_text()) | {"axial_play_um": 5, "stroke_mm": 500},
@@ -634,7 +643,7 @@ def panels_of(page) -> dict[str, str]:
     panels = {panel: page.locator(f"#{panel}") for panel in ["key", "section", "ellipses", "losses", "nut", "axis", "beside", "numbers"]}
     texts = {name: panel.evaluate("(panel) => panel.innerText + [...panel.querySelectorAll('svg')].map((picture) => picture.textContent)") for name, panel in panels.items()}
     texts["map"] = page.inner_text("#map select") + page.inner_text("#map .bar")
-    # The page of the server also shows the time of each model.
+    # The served page also shows the time of each model.
     rows = page.locator("#models tr").evaluate_all("(rows) => rows.map((row) => [...row.cells].map((cell) => cell.innerText))")
     assert len(rows) > 4
     texts["models"] = str([row[:7] for row in rows])
@@ -672,7 +681,8 @@ def test_a_saved_page_shows_numbers_within_100_ms_of_a_slider_move(save_page, sh
             f"saved page, {name}, {model}: numbers appear {median(numbers):.0f} ms after a slider move, pictures after {median(pictures):.0f} ms; "
             + ", ".join(f"{route} {time:.0f} ms" for route, time in times.items())
         )
-        # The limit is the same as for the page of the server. Lubricant films take longer in WebAssembly.
+        # The limit is the same as for the page from the server, except for lubricant films, which
+        # take longer in WebAssembly.
         assert name == "feed_drive_oil" or median(numbers) < 100, numbers
 
 

@@ -23,8 +23,8 @@ pub struct PageSolver<'a> {
 }
 
 impl PageSolver<'static> {
-    /// Returns the solver that is included in this build, or `None` if the solver did not exist
-    /// when the program was built.
+    /// Returns the page solver that is included in this build, or `None` if the page solver did not
+    /// exist when the program was built.
     pub fn of_build() -> Option<Self> {
         let (version, module) = FILE?.split_once('\n')?;
         Some(Self { version, module: module.trim_end() })

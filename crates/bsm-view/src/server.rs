@@ -32,8 +32,8 @@ use crate::running::{RequestId, Running};
 const TIME_LIMITS: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
 /// Maximum number of running calculations, including stopped calculations that have not ended yet.
-/// While this number of calculations is running, further requests are refused. A page waits for at
-/// most half as many answers.
+/// While this number of calculations is running, further requests are refused. A single page waits
+/// for at most half of this number of answers.
 const MAX_RUNNING: usize = 16;
 
 /// Pause after the operating system failed to accept a connection for lack of resources.
@@ -152,7 +152,7 @@ impl Server {
         }
     }
 
-    /// Ends the loop in [`serve`](Self::serve), so that this function returns.
+    /// Makes [`serve`](Self::serve) end its loop and return.
     pub fn stop(&self) {
         self.ended.store(true, Ordering::Relaxed);
         // This connection wakes the loop, which is waiting for connections.

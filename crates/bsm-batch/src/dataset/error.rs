@@ -13,7 +13,7 @@ pub enum DatasetError {
     /// An operation on a file or folder failed.
     #[error("cannot {doing} {}: {error}", path.display())]
     Io {
-        /// Failed operation as words that follow "cannot", such as "write".
+        /// Failed operation, in the form that follows "cannot", such as "write".
         doing: &'static str,
         /// Path of the file or folder.
         path: PathBuf,
@@ -86,7 +86,7 @@ pub enum PartDefect {
     /// The file is a part of another plan.
     #[error("is a part of another plan")]
     OtherPlan(
-        /// Id of the other plan.
+        /// Id of the plan to which the part file belongs.
         String,
     ),
     /// The file is a copy of another part of the same plan. The field contains the number of the

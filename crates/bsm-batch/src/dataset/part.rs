@@ -3,7 +3,7 @@
 //! The footer of a part file contains its plan id, its part number and two hashes: a hash of all
 //! bytes before the footer, and a hash of the footer itself. While the hash of the footer is
 //! calculated, zeros take its place in the footer. The two hashes reveal every changed bit of the
-//! file. Therefore, no separate log is needed, which could be lost or become inconsistent.
+//! file. Therefore, no separate log is needed. A separate log could be lost or become inconsistent.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};

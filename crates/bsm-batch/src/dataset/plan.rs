@@ -97,7 +97,7 @@ pub enum PlanError {
         /// This program.
         this: String,
     },
-    /// The text was changed after it had been written.
+    /// The text of the plan was changed after the plan had been written.
     #[error("it has been changed: its text does not match its SHA-256")]
     Changed,
     /// The case or the settings of the plan are invalid.

@@ -177,7 +177,7 @@ impl PointsEntry {
         /// Snappy finds repetitions. Measured sizes are 0.4 to 0.5 B.
         const REPEATED: f64 = 0.5;
         /// Maximum length of the innermost grid axis for which the estimate assumes that Snappy
-        /// finds the repeated values of this axis.
+        /// compression finds the repeated values of this axis.
         const REPEATING: usize = 1 << 14;
         match self {
             // On outer axes, the same value occurs in many consecutive rows; on the innermost axis,

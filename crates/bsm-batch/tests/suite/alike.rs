@@ -14,9 +14,10 @@ const BOUNDS: [&str; 2] = ["efficiency_error_bound", "loss_error_bound"];
 
 /// Returns the absolute tolerance of an output, which is added to the relative tolerance.
 ///
-/// Newton's method stops at a residual of 1e-13 of the load, or of 1e-12 of the inertia forces if
-/// this is smaller. Rounding errors of the loads are about 1e-16. `iota` is the ratio of inertia
-/// forces to load. Results that depend on inertia have errors that are proportional to 1/`iota`.
+/// Newton's method stops at a residual of 1e-13 times the load or 1e-12 times the inertia forces,
+/// whichever is smaller. Rounding errors of the loads are about 1e-16. `iota` is the ratio of
+/// inertia forces to load. Results that depend on inertia have errors that are proportional to
+/// 1/`iota`.
 fn absolute_tolerance(unit: &str, case: &Case) -> f64 {
     let value = |key| case.value_or_default(key).unwrap_or(f64::NAN);
     let ball = 0.5e-3 * value(InputKey::ball_diameter_mm);

@@ -12,8 +12,8 @@ const FEED_AXIS: &[u8] = include_bytes!("../../../../validation/published/nut/fe
 
 const BALL_TRAIN: &str = include_str!("../../../../validation/published/nut/ball_train.json");
 
-/// Returns an example case of a nut with three loaded turns, in which the input `without` is
-/// missing.
+/// Returns an example case of a nut with three loaded turns, without the input that `without`
+/// names.
 fn dong_case(without: &str) -> Case {
     let mut case = Case::from_json(DONG).expect("an example");
     case.loaded_turns = Some(3.0);

@@ -37,7 +37,7 @@ fn random_value(kind: usize, row: usize, rng: &mut impl Rng) -> f64 {
     }
 }
 
-/// The kind of values changes between the calls that write rows. NaN represents an empty cell.
+/// Each call that writes rows can contain a different kind of values. NaN represents an empty cell.
 #[test]
 fn numbers_round_trip_through_parquet() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);

@@ -195,8 +195,8 @@ fn model_choices() -> impl Iterator<Item = ModelChoice> {
 }
 
 /// Returns one of a few practical values of an input. There are only a few values, so that rows
-/// often contain special combinations: equal speeds, leads that agree, drives in which both parts
-/// turn, balls that do not fit, and zero friction.
+/// often contain special combinations: equal speeds, a lead that agrees with the lead angle, drives
+/// in which both parts turn, balls that do not fit, and zero friction.
 fn practical_value(key: InputKey, rng: &mut impl Rng) -> f64 {
     use InputKey as K;
     let lead = |pitch: f64, deg: f64| pitch * std::f64::consts::PI * deg.to_radians().tan();

@@ -1,4 +1,4 @@
-//! Steady motions along the solution branch on which the inertia increases, as columns of tables.
+//! Steady motions along the solution branch with increasing inertia, as table columns.
 
 use bsm_dyn::{ModelWorkspace, SteadyState};
 

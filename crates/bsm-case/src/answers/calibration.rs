@@ -49,7 +49,7 @@ answer! {
         errors: Word;
         /// RMS residual.
         root_mean_square: Data<f64>;
-        /// RMS residual divided by the errors.
+        /// Root mean square of the residuals, each divided by its measurement error.
         weighted_root_mean_square: Data<f64>;
         degrees_of_freedom: Data<usize>;
         /// Condition number of the fit.
@@ -99,7 +99,7 @@ impl MeasurementError {
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError`] if no kind has this name.
+    /// Returns [`CaseError`] if no kind of measurement error has the given name.
     pub fn named(name: &str) -> Result<Self, CaseError> {
         let found = Self::ALL.into_iter().find(|error| error.name() == name);
         found.ok_or_else(|| {
@@ -149,7 +149,7 @@ const REACH_STEPS: u32 = 8;
 /// Reason why the fit to a table failed.
 #[derive(Debug, Clone, Error, PartialEq)]
 pub enum NoFit {
-    /// The search ended without a result, for one of the reasons in the message.
+    /// The search ended without a result. The message lists the possible reasons.
     #[error(
         "a point has no solution for some values of the fitted inputs, or the search does not converge; \
          give narrower ranges for the inputs"
@@ -173,7 +173,7 @@ pub enum NoFit {
 pub struct InputAtLimit {
     /// Name of the input.
     key: InputKey,
-    /// Limit of the range at which the input ended.
+    /// Limit of the search range that the fitted input has reached.
     limit: f64,
     /// Search range of the input.
     range: (f64, f64),

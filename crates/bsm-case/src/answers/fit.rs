@@ -172,8 +172,8 @@ pub struct FitValue {
     pub record: Option<Record>,
     /// 90 % interval of the value over the possible grooves, if the groove is estimated.
     pub band: Option<Band>,
-    /// Number of possible grooves for which no value of the input close to its value for the best
-    /// groove satisfies the condition.
+    /// Number of possible grooves for which no input value close to the value for the best groove
+    /// satisfies the condition.
     pub grooves_without_value: usize,
     /// Solutions for the possible grooves, each with the value of the input that satisfies the
     /// condition for this groove.
@@ -261,7 +261,8 @@ impl FittedInput {
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError`] if the text has another form.
+    /// Returns [`CaseError`] if the text does not have the form `name=value`, or if the value is
+    /// not a number.
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "input, or input=low:high, such as seal_torque_Nm=0:1";
         let wrong = || CaseError::bad_setting(text, form);

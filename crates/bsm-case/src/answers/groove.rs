@@ -32,7 +32,7 @@ const MIN_CLEAN_STEEL_WEIGHT: f64 = 0.5;
 /// Maximum number of names that a note lists.
 const NAMED: usize = 4;
 
-/// Labels of text sections whose text is one of only a few values.
+/// Labels of text sections that have only a few possible texts.
 const DISCRETE: [&str; 3] = ["regime", "lubrication", "controlling raceway"];
 
 /// JSON member name of the table that contains the true-or-false statements about a motion.
@@ -84,8 +84,8 @@ impl Case {
         Some((line, estimate))
     }
 
-    /// Returns true if the groove is estimated, and the ratings and dimensions of the case are
-    /// unusual for typical grooves.
+    /// Returns true if the groove is estimated, and typical grooves rarely have the ratings and
+    /// dimensions of the case.
     pub(crate) fn has_unusual_groove(&self) -> bool {
         self.estimate().is_some_and(|(_, estimate)| estimate.is_unusual())
     }
@@ -540,7 +540,8 @@ fn interval_of(value: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
 }
 
 impl Criterion {
-    /// Returns the rule in another answer that has the same title and limits the same quantity.
+    /// Returns the rule in `answer` that has the same title and limits the same quantity as this
+    /// rule.
     fn same_in<'a>(&self, answer: &'a Answer) -> Option<&'a Self> {
         answer.rules.iter().find(|own| (own.title, own.name) == (self.title, self.name))
     }

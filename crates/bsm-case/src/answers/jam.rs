@@ -418,8 +418,8 @@ impl BallReturn {
         }
     }
 
-    /// Returns the push force that is needed at the step at the entry to the ball return while the
-    /// ball ahead is at the apex.
+    /// Returns the push force that is needed to lift a ball over the step at the entry to the ball
+    /// return while the ball ahead is at the apex.
     fn entry_thrust(&self) -> Option<f64> {
         Some(self.entered.filter(|ratio| ratio.is_finite())? * self.apex?)
     }

@@ -109,7 +109,7 @@ impl ManufacturerNut {
         Ok(nuts.map(|(place, nut)| Self { texts: texts(place).collect(), ..nut }).collect())
     }
 
-    /// Returns the case of the nut in the axis of a requirement.
+    /// Returns the case of a requirement with the inputs of this nut.
     pub fn within(&self, requirement: &RequirementFile) -> Case {
         let mut case = requirement.case.clone();
         case.lead_angle_deg = None;
@@ -221,7 +221,7 @@ const RATED: [[&str; 2]; 3] = [
 pub struct ManufacturerRow {
     /// Name of the nut.
     pub name: String,
-    /// Case of the nut, in the axis of the requirement if there is one.
+    /// Case of the nut. If a requirement is given, the nut is on the axis of the requirement.
     pub case: Case,
     /// Values stated by the manufacturer, and values calculated for the same nut. If there is a
     /// requirement, the results on the axis sheet follow.

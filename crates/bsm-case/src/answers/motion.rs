@@ -120,9 +120,9 @@ pub(crate) struct MovingBall {
 }
 
 impl MovingBall {
-    /// Returns the ball of the solution and `false`. If the case prescribes running contact angles,
-    /// returns a ball that rolls at these angles, with the contact ellipses of the solution, and
-    /// `true`.
+    /// Returns a ball that rolls at the running contact angles of the case, with the contact
+    /// ellipses of the solution, and `true`. If the case prescribes no running contact angles,
+    /// returns the ball of the solution and `false`.
     ///
     /// # Errors
     ///

@@ -82,7 +82,7 @@ struct PairDrag {
 /// Direction in which the nut travels along the screw.
 #[derive(Debug, Clone, Copy)]
 enum Travel {
-    /// Direction that corresponds to the speeds of the case.
+    /// Direction of travel that results from the screw and nut speeds of the case.
     Given,
     /// Direction opposite to [`Travel::Given`].
     Reverse,
@@ -190,8 +190,9 @@ impl NutReport {
         self.unloaded_friction(direction)?.torque
     }
 
-    /// Returns the friction torque due to contact between balls if each ball pushes its neighbor
-    /// with a force of 3 % of the ball load \[N·m\]. Returns 0 if the balls do not touch.
+    /// Returns the friction torque due to contact between balls \[N·m\], assuming that each ball
+    /// pushes its neighbor with a force of 3 % of the ball load. Returns 0 if the balls do not
+    /// touch.
     fn contact_torque_bound(&self) -> Option<f64> {
         let (advance, friction) = (self.advance()?, self.problem.gaps.friction?);
         let is_apart = self.train().is_some_and(|train| train.touching_contacts == 0);
@@ -444,8 +445,8 @@ quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
     }
 }
 
-/// Displacements, loads of all balls and stiffness of a nut. The names are those of the published
-/// comparison cases.
+/// Displacements, loads of all balls and stiffness of a nut. The names are the same as in the
+/// published comparison cases.
 #[derive(Serialize, JsonSchema)]
 #[expect(non_snake_case, reason = "the names end with unit symbols")]
 pub(crate) struct NutVectors {
@@ -865,9 +866,9 @@ impl HeldFriction for NutProblem {
 /// A table of numbers with named columns. Missing values are NaN.
 #[derive(Debug, Clone)]
 pub struct Columns {
-    /// Outputs that define name and unit of each column.
+    /// Outputs that define the name and the unit of each column.
     pub heads: Vec<&'static Output>,
-    /// Rows of the table.
+    /// Rows of the table, each with one value per column.
     pub rows: Vec<Vec<f64>>,
 }
 

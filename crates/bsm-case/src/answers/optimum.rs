@@ -77,7 +77,7 @@ struct AnglesAndFriction {
     best_leads: [Option<f64>; 2],
 }
 
-/// Range of contact angles in which the optimum of a model is searched \[deg\].
+/// Range of contact angles that is searched for the optimum of a model \[deg\].
 const SEARCHED_DEG: (f64, f64) = (5.0, 85.0);
 
 const DIRECTIONS: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];

@@ -14,7 +14,8 @@ const ROUNDING: f64 = 1e-12;
 pub struct Scales(Vec<(&'static str, f64)>);
 
 impl Scales {
-    /// Determines the reference magnitude of each unit from pairs of unit and number.
+    /// Determines the reference magnitude of each unit: the largest absolute value among the
+    /// numbers with this unit.
     pub fn of(numbers: impl Iterator<Item = (&'static str, f64)>) -> Self {
         let mut scales = vec![("deg", 180.0)];
         for (unit, value) in numbers {

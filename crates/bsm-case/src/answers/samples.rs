@@ -58,9 +58,9 @@ row! {
 answer! {
     /// Random copies of a nut.
     pub(crate) struct SampleMembers {
-        /// Number of copies that carry the load.
+        /// Number of random nuts that carry the load.
         carried: Data<usize>;
-        /// Number of copies that do not carry the load.
+        /// Number of random nuts that do not carry the load.
         failed: Data<usize>;
         quantiles: Keyed<QuantileRow>;
         [skip] summary: Word;

@@ -165,8 +165,8 @@ impl Condition {
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError`] if the text has another form, the column is unknown, or the value is
-    /// not a number.
+    /// Returns [`CaseError`] if the text is not a valid condition, the column is unknown, or the
+    /// value is not a number.
     pub fn parse(text: &str, columns: &[ListColumn]) -> Result<Self, CaseError> {
         let form = "name>=number, name<=number or name=number";
         let malformed = || CaseError::bad_setting(text, form);
@@ -260,7 +260,7 @@ impl NutFilter {
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError`] if a condition has another form or names an unknown column.
+    /// Returns [`CaseError`] if a condition is not of this form or names an unknown column.
     pub fn new(
         conditions: &[String],
         columns: &[ListColumn],
@@ -454,9 +454,8 @@ impl NutFilter {
         found.sheets = sheets.into_iter().map(|(place, _, sheet)| (place, sheet)).collect();
     }
 
-    /// Returns reasons why no nut meets all conditions. For each condition, the reason states how
-    /// many nuts would remain without it, and which value of these nuts comes closest to meeting
-    /// it.
+    /// Returns reasons why no nut meets all conditions. The reason for a condition states how many
+    /// nuts meet all other conditions, and which value of these nuts is closest to the condition.
     ///
     /// * `keeps`: function that returns true for the nuts that meet the requirement.
     fn nearest(
@@ -650,7 +649,8 @@ impl NutList {
         }
     }
 
-    /// Returns an answer for the screen that contains only the first nuts and the given columns.
+    /// Returns an answer for the screen. The answer contains only the first nuts and the given
+    /// columns.
     pub fn answer_of(&self, first: usize, columns: &[ShownColumn]) -> Answer {
         let count = self.chosen.len().min(first);
         let all = self.values(0..count);

@@ -53,8 +53,8 @@ pub struct Sensitivity {
     pub value: f64,
     /// Derivative of the efficiency with respect to the input, per unit of the input.
     pub efficiency: f64,
-    /// Derivative of the screw torque with respect to the input \[N·m\] per unit of the input, if
-    /// there is a torque.
+    /// Derivative of the screw torque with respect to the input \[N·m\] per unit of the input;
+    /// `None` if there is no torque.
     pub screw_torque: Option<f64>,
     /// Relative change of the efficiency per relative change of the input \[%/%\]; `None` if the
     /// efficiency or the input is zero.

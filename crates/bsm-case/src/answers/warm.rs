@@ -321,7 +321,7 @@ impl Warm {
     reason = "the names end with units, and some unit symbols are capital letters"
 )]
 pub struct WarmBranch {
-    /// States in the order in which they follow each other along the branch.
+    /// States in order along the branch.
     pub points: Vec<WarmPoint>,
     /// Largest screw speed in the case \[rpm\].
     pub speed_rpm: f64,

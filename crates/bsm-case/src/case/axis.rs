@@ -512,8 +512,8 @@ pub(crate) fn nut_set(case: &Case) -> NutSet {
     NutSet::of(method, case.nut_gap_mm.map(|mm| mm * MM))
 }
 
-/// Returns the length of the thread \[m\]. Without a stroke, this is the unsupported length.
-/// Returns `None` if both inputs are unknown.
+/// Returns the length of the thread \[m\]. If the stroke is unknown, the result is the unsupported
+/// length. Returns `None` if both inputs are unknown.
 ///
 /// * `lead`, `nut_length`: lead and length of the nut \[m\].
 pub(crate) fn thread_length(case: &Case, lead: f64, nut_length: f64) -> Option<f64> {

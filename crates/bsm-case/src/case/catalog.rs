@@ -66,7 +66,7 @@ impl Catalog {
     /// Sobolewski (2002).
     ///
     /// # Errors
-    /// Does not fail in practice, because the lists are compiled into the program.
+    /// This function does not fail in practice, because the lists are compiled into the program.
     pub fn standard() -> Result<Self, CaseError> {
         Self::from_json(b"{}")
     }
@@ -114,7 +114,7 @@ impl Catalog {
         Ok(all_sizes)
     }
 
-    /// Reads lists and limits from JSON text. Missing keys have their standard values.
+    /// Reads lists and limits from JSON text. Missing keys default to the standard values.
     ///
     /// # Errors
     ///

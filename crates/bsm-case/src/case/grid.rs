@@ -156,7 +156,7 @@ impl GridAxis {
         }
     }
 
-    /// Returns true for a range with equal ratios.
+    /// Returns true for a range with logarithmic spacing.
     pub fn is_log(&self) -> bool {
         matches!(self.values, AxisValues::Range { log: true, .. })
     }

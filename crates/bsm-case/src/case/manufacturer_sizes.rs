@@ -17,7 +17,7 @@ use crate::{CaseError, INPUTS, LISTS, NameKind, Rule, TableFormat, entries, near
 /// For THK end-cap nuts whose lead is at least as large as the diameter, the catalog states only
 /// the product of circuits and turns. A product of three or more is interpreted as circuits of
 /// fewer than three turns on 2 or 4 thread starts. The reason is that TBI (SFY) prints 1.8x2 and
-/// 2.8x2 for such nuts, which are as long as nuts with a single circuit of this kind (SFH).
+/// 2.8x2 for such nuts. These nuts are as long as nuts with only one such circuit (SFH).
 pub const MANUFACTURER_SIZES: &str = include_str!("manufacturer_sizes.csv");
 
 /// Columns of a table of sizes that are not named after an input.

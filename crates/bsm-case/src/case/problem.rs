@@ -98,7 +98,7 @@ impl Default for Settings {
 }
 
 impl From<Model> for Settings {
-    /// Returns settings that select this model and have default values otherwise.
+    /// Returns settings that select this model. All other settings have their default values.
     fn from(model: Model) -> Self {
         Self { model: model.into(), ..Self::default() }
     }
@@ -495,8 +495,8 @@ impl Case {
         format!("; {} required by model {}", list(&missing), model.name())
     }
 
-    /// Returns the inputs that a nut requires and that are missing, for this case or for points
-    /// with the inputs `given`.
+    /// Returns the missing inputs that a nut requires, either for this case or for points with the
+    /// inputs `given`.
     pub(crate) fn missing_for_a_nut(&self, given: InputSet) -> Vec<String> {
         use InputKey as K;
         let listed = self.entries.circuits.is_some();
@@ -537,7 +537,8 @@ impl Case {
         }
     }
 
-    /// Returns true if the case has the inputs of `model` and their values are within its range.
+    /// Returns true if the case has the inputs of `model`, and their values are within the range of
+    /// this model.
     pub fn suits(&self, model: Model) -> bool {
         self.choose(model.into()).is_ok()
     }

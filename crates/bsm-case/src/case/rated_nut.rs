@@ -159,8 +159,8 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
     /// Within these ranges, no note is given, because the formulas of different manufacturers
     /// differ by this much.
     const USUAL: [(f64, f64); 2] = [(0.85, 1.18), (0.80, 1.25)];
-    /// Range of the ratio of calculated to stated rating outside which the ratings are assumed to
-    /// belong to another nut.
+    /// If the ratio of calculated to stated rating is outside this range, the ratings are assumed
+    /// to belong to another nut.
     const OTHER: (f64, f64) = (0.5, 2.0);
     let within = |(low, high): (f64, f64), ratio: f64| (low..=high).contains(&ratio);
     let (dynamic, rated) = (nut.dynamic_rating().rating, nut.static_rating().rating);

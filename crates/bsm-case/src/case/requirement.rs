@@ -46,7 +46,7 @@ const USUAL_FRICTION: (f64, [f64; 2]) = (0.06, [0.03, 0.12]);
 /// Range of contact angles that are easy to manufacture \[deg\].
 pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
-/// Axis inputs that are not permitted in a requirement, because they are catalog data, which the
+/// Axis inputs that are not permitted in a requirement. These inputs are catalog data that the
 /// search itself calculates.
 const NOT_OF_AXES: InputSet = inputs! {
     nominal_diameter_mm rated_dynamic_load_N rated_static_load_N screw_mass_kg_m nut_mass_kg

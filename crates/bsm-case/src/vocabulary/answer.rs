@@ -250,7 +250,7 @@ row! {
         value: f64;
         /// `>=` or `<=`.
         must_be: &'static str;
-        /// Limit of the number.
+        /// Lower or upper limit of the number, depending on `must_be`.
         limit: Option<f64>;
         /// Margin of the rule, which is met if the margin is at least 1.
         margin: Option<f64>;

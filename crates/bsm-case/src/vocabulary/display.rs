@@ -328,8 +328,8 @@ impl Answer {
 mod tests {
     use super::*;
 
-    /// The inch counterpart of each unit has the correct size. The expected values were calculated
-    /// by hand.
+    /// Values are converted correctly to the inch counterpart of each unit. The expected values
+    /// were calculated by hand.
     #[test]
     fn conversion_factors_to_inch_units_match_hand_calculations() {
         for (own, text) in INCH {

@@ -159,8 +159,8 @@ impl InputSet {
         }
     }
 
-    /// Returns the inputs of a case that first has the inputs of this set and to which `settings`
-    /// are then applied.
+    /// Returns the inputs that a case with the inputs of this set contains after `settings` have
+    /// been applied.
     #[must_use]
     pub fn overridden_by(self, settings: Self) -> Self {
         self.without(settings.replaced()).union(settings)
@@ -193,7 +193,7 @@ pub(crate) struct Form {
 }
 
 impl QuantityForms {
-    /// Returns the main inputs of all forms of the quantity.
+    /// Returns the main input of each form of the quantity.
     fn keys(&self) -> InputSet {
         self.forms.iter().map(|form| form.key).collect()
     }

@@ -30,8 +30,8 @@ pub struct OtherSeparator {
 }
 
 impl OtherSeparator {
-    /// Returns this error if a table header does not contain the expected separator, but contains
-    /// another known separator.
+    /// Returns an [`OtherSeparator`] error if a table header does not contain the expected
+    /// separator, but contains another known separator.
     pub fn of(header: &str, expected: char) -> Option<Self> {
         let found = header.chars().find(|sign| [',', ';', '\t', '|'].contains(sign))?;
         (!header.contains(expected)).then_some(Self { found, expected })

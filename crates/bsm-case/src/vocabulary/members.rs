@@ -166,8 +166,8 @@ pub(crate) struct Data<T>(pub(crate) T);
 /// A member that can be absent.
 pub(crate) struct Maybe<T>(pub(crate) Option<T>);
 
-/// Numbers of a table of quantities, and the heading of the numbers that apply to no single contact
-/// or direction.
+/// Numbers of a table of quantities. The text is the heading of the numbers that apply neither to a
+/// single contact nor to a single direction.
 pub(crate) struct NumbersOf<T>(Numbers, &'static str, PhantomData<T>);
 
 /// A table whose JSON form is a list of objects.
@@ -186,15 +186,15 @@ pub(crate) trait NumberTable: JsonSchema {
         true
     }
 
-    /// Returns the columns of the numbers in JSON.
+    /// Returns the columns of the quantities that are numbers in JSON.
     fn columns() -> impl Iterator<Item = &'static Output> {
         let numbers = Self::quantities().filter(|quantity| quantity.scope != Scope::Statement);
         numbers.flat_map(|quantity| quantity.columns)
     }
 }
 
-/// Declares types for tables of quantities: `Type = quantities;`. If the screen shows only some
-/// numbers as columns, their names follow `shown`.
+/// Declares types for tables of quantities: `Type = quantities;`. If only some of the numbers are
+/// shown as columns on the screen, the names of these numbers follow `shown`.
 macro_rules! number_tables {
     ($($(#[$doc:meta])* $visible:vis $name:ident = $quantities:expr $(, shown $shown:expr)?;)*) => {$(
         $(#[$doc])*
@@ -257,7 +257,7 @@ macro_rules! one_member {
 
 pub(crate) use one_member;
 
-/// Numbers of a table of quantities as cells of a row.
+/// A row of cells that contains the numbers of a table of quantities.
 #[derive(Debug, Clone)]
 pub(crate) struct NumberCells<T>(Vec<Option<f64>>, PhantomData<T>);
 
@@ -359,7 +359,7 @@ pub(crate) fn optional_numbers(members: impl Iterator<Item = (&'static str, Stri
     json_schema!({ "type": "object", "properties": properties })
 }
 
-/// Implements the schema of a type as the schema of another type.
+/// Implements `JsonSchema` for a type by reusing the schema of another type.
 macro_rules! same_schema {
     ($($of:ident $(<$of_one:ident>)? as $other:ty;)*) => {$(
         impl $(<$of_one: JsonSchema>)? JsonSchema for $of $(<$of_one>)? {

@@ -21,7 +21,7 @@ const CASE_DESCRIPTION: &str =
 pub struct GivenNames(Vec<(&'static str, String)>);
 
 impl GivenNames {
-    /// Adds a quantity with the name that the source uses.
+    /// Adds a quantity together with the name by which the source specifies this quantity.
     ///
     /// # Errors
     ///

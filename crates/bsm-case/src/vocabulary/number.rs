@@ -88,8 +88,9 @@ fn digits_of_interval(Band { low, high }: Band) -> u8 {
     if high - low < NARROW * low.abs().max(high.abs()) { 5 } else { 3 }
 }
 
-/// Rounds a number up or down to the number of digits that [`format_digits`] returns. If the number
-/// differs from a number with so few digits only by rounding errors, it is rounded to that number.
+/// Rounds a number up or down to the number of digits that [`format_digits`] returns. If a number
+/// with this many digits differs from the given number only by rounding errors, that number is
+/// returned.
 fn rounded(value: f64, count: u8, towards: fn(f64) -> f64) -> f64 {
     /// Largest rounding error, in units of the last shown digit.
     const ROUNDING: f64 = 1e-6;

@@ -1,6 +1,7 @@
 //! Tables of quantities. Each row defines the name, unit, symbol, scope and meaning of a quantity.
-//! For an input, the row also contains its rule; for a result, it contains its reader. Cases,
-//! answers, JSON, columns and the schema are generated from these tables.
+//! For an input, the row also contains the rule for its value; for a result, the row contains the
+//! function that reads its value. Cases, answers, JSON, columns and the schema are generated from
+//! these tables.
 
 use bsm_design::Band;
 
@@ -28,7 +29,7 @@ pub enum AnalysisKind {
     Warnings,
     /// 90 % intervals due to uncertain lubricant friction.
     Band,
-    /// Steady motions along the solution branch on which the inertia increases.
+    /// Steady motions along the solution branch of increasing inertia.
     Branch,
 }
 
@@ -98,7 +99,7 @@ impl Quantity {
         self.needs.iter().any(|set| set.contains(InputKey::friction_coefficient))
     }
 
-    /// Returns the names of the missing inputs that the quantity needs in addition.
+    /// Returns the names of the additional inputs that the quantity needs and that are missing.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let names = |set: &InputSet| {
             let names: Vec<_> = set.iter().map(InputKey::name).collect();
@@ -224,7 +225,7 @@ macro_rules! quantities {
             },)*)*]
         };
 
-        /// Namespace for the readers of the table.
+        /// Namespace for the functions that read the values of the table.
         #[expect(non_camel_case_types, reason = "the type is named after the function")]
         enum $numbers {}
 

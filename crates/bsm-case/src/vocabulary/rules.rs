@@ -11,8 +11,8 @@ use super::input_set::{inputs, lead_angle, lead_mm};
 use crate::vocabulary::units::{DEG, RPM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// A number at one point, or the numbers at several points in SIMD lanes. Functions of ordinary
-/// numbers can be applied to it.
+/// A number at one point, or the numbers at several points in SIMD lanes. A function of ordinary
+/// numbers can be applied at every point.
 pub trait Pointwise: Real {
     /// Applies a function to the numbers of each point in `self` and `other`.
     #[must_use]

@@ -15,7 +15,7 @@ pub const MILLI: f64 = 1e-3;
 pub const MM2: f64 = 1e-6;
 /// Radians per degree.
 pub const DEG: f64 = PI / 180.0;
-/// Radians per second per revolution per minute.
+/// Factor that converts revolutions per minute to radians per second.
 pub const RPM: f64 = PI / 30.0;
 /// Pascals per gigapascal.
 pub const GPA: f64 = 1e9;
@@ -299,8 +299,8 @@ pub fn other_units(name: &str) -> Vec<(&'static str, UnitChange)> {
     others.map(|unit| (unit.suffix, dimension.change(unit, own))).collect()
 }
 
-/// Returns the suffixes of all units that a known name can have, beginning with its own unit.
-/// Returns `None` if `name` has another stem.
+/// Returns the suffixes of all units that the name `known` can have, beginning with its own unit.
+/// Returns `None` if the stems of `name` and `known` differ.
 pub(crate) fn units_of_stem(name: &str, known: &str) -> Option<Vec<&'static str>> {
     let (stem, own, _) = own_unit(known)?;
     suffix(name, stem)?;
@@ -458,8 +458,8 @@ mod tests {
         }
     }
 
-    /// Each unit has a single positive size, so that the conversions in both directions are
-    /// consistent.
+    /// Each unit has a single positive conversion factor, so that the conversions in both
+    /// directions are consistent.
     #[test]
     fn each_unit_has_exactly_one_positive_conversion_factor() {
         for dimension in DIMENSIONS {

@@ -7,7 +7,7 @@ pub enum SelectionLimit {
     ScrewLength,
     /// The number of loaded turns is outside the typical range.
     LoadedTurns,
-    /// The land between the grooves is too narrow for these balls.
+    /// The land between the grooves is too narrow for the balls.
     BallOverLead,
     /// The nut model has no solution. Therefore, the preload rules, which need the loads of all
     /// balls, cannot be checked.

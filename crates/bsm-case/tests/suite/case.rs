@@ -77,8 +77,8 @@ fn units_round_trip_through_si() {
     assert_relative_eq!(rpm, 0.434_502_536 * 2000.0, max_relative = 1e-8);
 }
 
-/// `auto` chooses each model as soon as its inputs are given, and each model names its missing
-/// inputs.
+/// `auto` chooses each model as soon as the inputs of this model are given. The error message of a
+/// model names the missing inputs.
 #[test]
 fn auto_chooses_the_most_complete_model() {
     let mut given = Case::default();
@@ -393,9 +393,9 @@ fn grids_are_cartesian_products_with_exact_range_ends() {
     assert!(error.starts_with("the grid has more than"), "{error}");
 }
 
-/// A quantity with several forms may only be given in one form, under any of its names, in a case,
-/// by settings or in a grid. Lead and lead angle are an exception: both may be given if they are
-/// consistent.
+/// If a quantity has several forms, only one form may be given, under any of its names. This rule
+/// applies to cases, settings and grids. Lead and lead angle are an exception: both may be given if
+/// they are consistent.
 #[test]
 fn error_about_two_forms_of_a_quantity_states_both_names() {
     for (forms, names) in [

@@ -11,7 +11,7 @@ const SMALL: &[u8] =
     br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
     "nut_conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
 
-/// Returns the columns of a list of sizes for which no requirement is given.
+/// Returns the columns that a list of sizes has if no requirement is given.
 fn columns() -> Vec<ListColumn> {
     ListColumn::of_sizes(false)
 }

@@ -420,9 +420,9 @@ SFU02505,25,5,3.175,4,1724,4904";
     assert!(stiffness.value("axis_stiffness_N_um").is_some());
 }
 
-/// In the axis of a requirement, heat, torque and stiffness of a nut have intervals. Life and
-/// safety follow from the ratings and have no intervals. In the table, each column with an interval
-/// is followed by the columns for the two ends of the interval.
+/// On the axis sheet for a requirement, heat, torque and stiffness of a nut have intervals. Life
+/// and safety follow from the ratings and have no intervals. In the table, each column with an
+/// interval is followed by the columns for the two ends of the interval.
 #[test]
 fn table_columns_that_depend_on_an_estimated_groove_have_columns_for_the_interval_ends() {
     let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
@@ -478,8 +478,8 @@ fn model_comparison_from_catalog_data_states_intervals_for_each_model() {
     assert!(intervals[row]["time_us"].is_null(), "{intervals}");
 }
 
-/// Each quantile over nuts with random balls has an interval over the possible grooves. The
-/// intervals have the same layout as the quantiles.
+/// For each quantile over nuts with random balls, the answer contains an interval over the possible
+/// grooves. The intervals have the same layout as the quantiles.
 #[test]
 fn quantiles_over_random_nuts_with_estimated_grooves_have_intervals() {
     let line = case(R40, &["ball_deviation_sd_um=1"]).with_groove().expect("a groove");

@@ -117,8 +117,8 @@ fn load_motion_and_stroke_are_sufficient_to_select_a_screw() {
     assert_eq!(same.notes, Vec::<String>::new());
 }
 
-/// A screw whose case every command would reject is not reported as found. A lubricant replaces the
-/// friction coefficient of the requirement.
+/// If every command would reject the case of a screw, the screw is not reported as found. If a
+/// lubricant is given, it replaces the friction coefficient of the requirement.
 #[test]
 fn screw_with_a_rejected_case_is_not_reported_as_found() {
     let report = DesignReport::of(&requirement(&["pretension_K=3"]).expect("a requirement"));
@@ -515,8 +515,8 @@ fn list_of_sizes_is_sorted_by_the_mass_of_nut_and_screw() {
     }
 }
 
-/// An audit found that `nut` ignored the duty cycle of the case of a selected screw, and assumed a
-/// preloaded pair.
+/// An audit found that, for the case of a selected screw, `nut` ignored the duty cycle and assumed
+/// a preloaded pair.
 #[test]
 fn nut_results_for_a_load_cycle_match_the_axis_sheet() {
     for (preload, is_pair) in [("", false), (r#","preload_N":2000"#, true)] {

@@ -131,8 +131,8 @@ fn assert_printed_value(ours: f64, text: &str, name: &str) {
 }
 
 /// The feed axis of a machining center is example E of the specification. Its values were
-/// calculated independently with the catalog efficiency: preload, torques, heat, and the tension
-/// that remains of a pretension of 3 K.
+/// calculated independently with the catalog efficiency: preload, torques, heat, and the screw
+/// tension that remains from a pretension of 3 K.
 #[test]
 fn machining_center_with_catalog_data_matches_the_reference() {
     let report = sheet(FEED_AXIS, &[r#"preload_N="auto""#]).expect("a sheet");
@@ -397,7 +397,8 @@ fn travel_error_is_checked_by_a_rule() {
     );
 }
 
-/// Example E of the specification with its oil and load factors. `bsm validate` checks its lives.
+/// Feed axis of a machining center, with its oil and load factors. `bsm validate` checks the lives
+/// of this axis.
 const OILED_AXIS: &str =
     include_str!("../../../../validation/published/manufacturers/machining_center_oil.json");
 

@@ -91,7 +91,7 @@ fn pretension_force_is_calculated_and_checked_by_a_rule() {
 }
 
 /// The expected values are from THK, A-726. The section between bearing and nut is clamped at both
-/// ends and can carry 1.96 times the load of a section of which one end can tilt. If the screw can
+/// ends and can carry 1.96 times the load of a section that can tilt at one end. If the screw can
 /// tilt at both bearings, both ends of the section are assumed to tilt.
 #[test]
 fn buckling_is_checked_between_bearing_and_nut() {

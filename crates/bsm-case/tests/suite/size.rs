@@ -853,8 +853,9 @@ fn each_result_requires_only_the_inputs_on_which_it_depends() {
     );
 }
 
-/// The buckling rule names its end conditions and the safety factor with the end conditions of
-/// `support`. If the rule is met only with the default end conditions, there is a warning.
+/// The buckling rule states its end conditions, and also the safety factor for the end conditions
+/// of the input `support`. If the rule is met only with the default end conditions, there is a
+/// warning.
 #[test]
 fn buckling_rule_names_its_end_conditions() {
     for (inputs, ends, loads, safeties, is_default) in [

@@ -8,7 +8,7 @@ use crate::named;
 
 const CASES: &str = include_str!("../../../../validation/published/nut/third_contact.json");
 
-/// Returns a reference ball as a case with the given changes of inputs, and its expected results.
+/// Returns the case of a reference ball with changed inputs, and its expected results.
 fn reference(name: &str, sets: &[&str]) -> (Case, Value) {
     let cases: Vec<Value> = serde_json::from_str(CASES).expect("JSON");
     let of = cases.into_iter().find(|case| case["name"] == name).expect("a reference case");

@@ -118,8 +118,8 @@ fn conductances_are_listed_with_their_origin() {
     }
 }
 
-/// If no air temperature is given, the program used to assume the temperature at which the preload
-/// is set.
+/// If no air temperature was given, an earlier version used the temperature at which the preload is
+/// set.
 #[test]
 fn air_temperature_defaults_to_20_degrees() {
     let case = feed_axis(&["screw_speed_rpm=0", "preload_temperature_C=25"]);

@@ -598,13 +598,14 @@ struct Campaign {
     points: f64,
     /// For each outcome: its index in [`OUTCOMES`], the reason, and the number of points.
     kinds: Vec<(usize, String, f64)>,
-    /// Numbers of converged points in three groups: other solutions are known to exist, are known
-    /// not to exist, or it is unknown whether they exist.
+    /// Numbers of converged points for which other solutions exist, for which no other solutions
+    /// exist, and for which this is unknown.
     others: [f64; 3],
     slowest_ms: f64,
 }
 
-/// First words of the outcome names. The last outcome also counts solutions without sensitivities.
+/// First words of the outcome names. Solutions without sensitivities are counted under the last
+/// name.
 const OUTCOMES: [&str; 3] = ["converged", "no_solution", "not_converged"];
 
 impl Campaign {

@@ -489,8 +489,8 @@ fn commands_in_the_table_of_papers_print_the_stated_numbers() {
     }
 }
 
-/// The parser must find the commands and the verdict in a row. The page that accompanies the table
-/// must state how many verdicts of each kind each paper has.
+/// The parser must find the commands and the verdict in a row of the table. The page that
+/// accompanies the table must state, for each paper, the number of verdicts of each kind.
 #[test]
 fn table_of_papers_is_parsed_and_its_page_states_the_number_of_verdicts() {
     let text = "paper,item,equation,command,paper_value,our_value,verdict\n\

@@ -325,8 +325,8 @@ fn a_folder_named_like_a_table_is_rejected_as_output() {
     }
 }
 
-/// Regression test: a plotted output was missing from the table of the same run, because batch
-/// kernels wrote the output to only one of the two columns that requested it.
+/// Regression test: a plotted output was missing from the table of the same run. The output was
+/// requested for two columns, but batch kernels wrote it to only one of them.
 #[test]
 fn table_does_not_depend_on_a_requested_plot() {
     let dir = folder();

@@ -238,7 +238,7 @@ type Harm<'a> = Box<dyn Fn() + 'a>;
 
 /// Expected reaction of `--resume` to a damaged dataset.
 enum Reaction {
-    /// The run fails with this exit code and message, and the damaged file is kept.
+    /// The run fails with the given exit code and message, and the damaged file is kept.
     Refused(i32, &'static str),
     /// The damaged part is solved again, and the dataset becomes identical to the dataset of an
     /// undisturbed run.

@@ -658,7 +658,8 @@ fn control_characters_of_an_input_are_written_to_neither_terminal_nor_plot() {
     assert!(texts.contains("<b>&") && texts.contains("[31m"), "{texts}");
 }
 
-/// Regression test: one row of the output contained both 10000000000000000000000 and 3.18e19.
+/// Regression test: one row of the output contained numbers in two formats, 10000000000000000000000
+/// and 3.18e19.
 #[test]
 fn numbers_in_a_row_have_a_uniform_format() {
     let dir = folder();

@@ -1,4 +1,4 @@
-//! Screens, JSON answers and schemas of the examples, compared with stored snapshots.
+//! Screen output, JSON answers and schemas of the examples, compared with stored snapshots.
 //!
 //! Snapshots guard against unintended changes; they do not validate numbers. After an intended
 //! change, `just snapshots` stores the new texts, and the difference shows in the commit.
@@ -13,15 +13,16 @@ use crate::program::{bsm, json as parsed, root, stderr, stdout};
 /// set of the processor.
 const DIGITS: usize = 6;
 
-/// Magnitude below which numbers in JSON snapshots are zero. Smaller numbers are mostly differences
-/// of larger numbers, such as residual forces, which depend on the processor.
+/// Magnitude below which numbers in JSON snapshots are replaced by zero. Smaller numbers are mostly
+/// differences of larger numbers, such as residual forces, and depend on the processor.
 const ROUNDED_TO_ZERO: f64 = 1e-5;
 
 /// Length above which a list in a JSON snapshot is replaced by its length. Longer lists contain one
 /// number per ball, some of which are rounding errors.
 const MAX_LIST: usize = 20;
 
-/// Runs a command in the folder of the examples. Returns its output after its messages.
+/// Runs a command in the folder of the examples. Returns standard error followed by standard
+/// output.
 fn screen_of(args: &[&str]) -> String {
     let output = run(args);
     stderr(&output) + &stdout(&output)
@@ -50,7 +51,7 @@ fn rounded(value: &Value) -> Value {
     }
 }
 
-/// Compares the screen of a command with the snapshot of the given name.
+/// Compares the screen output of a command with the snapshot of the given name.
 fn assert_screen(name: &str, args: &[&str]) {
     let mut settings = insta::Settings::clone_current();
     settings.set_omit_expression(true);

@@ -82,8 +82,9 @@ const BALLS: [(f64, f64); 33] = [
 /// Fraction of the popularity that is distributed equally among all balls.
 const ALIKE_BALLS: f64 = 0.05;
 
-/// Popularity of metric balls \[mm\]. It is chosen by judgment because catalogs that print ball
-/// diameters use inch sizes. The popularity of all other balls is fitted to catalog rows.
+/// Diameters of metric balls \[mm\], each with its popularity. The popularity is chosen by judgment
+/// because catalogs that print ball diameters use inch sizes. The popularity of all other balls is
+/// fitted to catalog rows.
 const METRIC_BALLS: [(f64, f64); 10] = [
     (2.0, 0.02),
     (2.5, 0.02),
@@ -150,7 +151,8 @@ const EXCESS: [(f64, Normal); 3] = [
     (0.10, Normal { mean: 0.30, deviation: 0.06 }),
 ];
 
-/// Variance of the excess \[-\] if only the dynamic rating is known. It replaces [`EXCESS`].
+/// Variance of the excess \[-\] of the dynamic rating relative to the static rating. It is used
+/// instead of the distribution [`EXCESS`] if only the dynamic rating is known.
 const EXCESS_VARIANCE: f64 = 0.028 * 0.028 + 0.05 * 0.05;
 
 /// Distribution of the difference between nominal and core diameter divided by the ball diameter.

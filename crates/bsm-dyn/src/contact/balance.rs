@@ -247,8 +247,8 @@ impl<F: Real> Power<F> {
     /// ```
     ///
     /// `friction` is the sum of the friction powers of all contacts \[W\]. An exact root satisfies
-    /// the power balance identically, so this error reveals inconsistencies between kinematics and
-    /// force balance.
+    /// the power balance identically, so an error of the power balance reveals inconsistencies
+    /// between kinematics and force balance.
     #[inline(always)]
     pub fn imbalance(&self, friction: F) -> F {
         // Imbalance: (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)     (B10)

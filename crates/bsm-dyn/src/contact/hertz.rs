@@ -278,8 +278,8 @@ struct Iterations {
 /// of the arithmetic-geometric means are below rounding errors.
 const PRACTICAL_ITERATIONS: Iterations = Iterations { steps: 3, agm_steps: 6 };
 
-/// Numbers of iterations for curvature ratios up to 1e30. No groove in double precision has a
-/// larger curvature ratio.
+/// Iteration counts for curvature ratios up to 1e30. No groove that can be represented in double
+/// precision has a larger curvature ratio.
 const EXTREME_ITERATIONS: Iterations = Iterations { steps: 12, agm_steps: 12 };
 
 impl<D: Real> Axes<D> {

@@ -47,7 +47,8 @@ impl<D: Scalar> Wedge<D> {
         [0, 1].map(|i| magnitude(self.slip_angles[i].cos()) * self.loads[i] * self.friction[i])
     }
 
-    /// Returns the force \[N\] that holds the ball in the wedge, which is the left side of (M8).
+    /// Returns the force \[N\] that holds the ball in the wedge. This force is the left side of
+    /// (M8).
     pub fn holding_force(&self) -> D {
         let [a, b] = self.across();
         // Holding force: (F_XA + F_XB) cos(D/2) + F_c sin β               (M8)
@@ -341,8 +342,8 @@ mod tests {
         assert!(track_friction(14.0, 0.1, 100.0, PI).abs() < 1e-12);
     }
 
-    /// For a linear spring, the impact force is proportional to the speed. It satisfies Equation 19
-    /// of Dong et al. with the approach of the spring.
+    /// For a linear spring, the impact force is proportional to the speed. If the approach is the
+    /// compression of the spring, the force satisfies Equation 19 of Dong et al.
     #[test]
     fn linear_impact_force_satisfies_eq_19_of_dong() {
         let (mass, stiffness) = (1.7e-4, 3e7);

@@ -13,7 +13,8 @@ use super::quadrature::Gauss;
 use super::slip::{EllipseSlip, Pole, clamp};
 
 /// Maximum number of panels of two ellipses. Each ellipse has two poles of the integrand, and each
-/// pole has a panel on either side. The ends of all panels fill whole SIMD vectors.
+/// pole has a panel on either side. With this number of panels, the panel ends fill whole SIMD
+/// vectors.
 const MAX_PANELS: usize = BLOCK;
 
 /// Panels on the long axes of two ellipses. The panels of the first ellipse come first.

@@ -48,8 +48,9 @@ impl<'a> Placement<'a> {
         self.frozen_rule?.get()
     }
 
-    /// Returns the numbers of nodes that were fixed by an earlier evaluation: flags for the poles
-    /// at which a panel is split, or `None`, and the nodes of each chord.
+    /// Returns the node counts that an earlier evaluation has fixed: flags that mark the poles at
+    /// which a panel is split, and the nodes of each chord. If no node counts are fixed for chords,
+    /// the flags are `None` and the list is empty.
     pub(super) fn lines(&self) -> (Option<[bool; 2]>, &'a [InnerNodes]) {
         match self.frozen() {
             Some(FrozenRule::Lines(split, lines)) => (Some(*split), lines),
@@ -91,7 +92,8 @@ impl<'a> Placement<'a> {
         InnerNodes { count, inside: Some(inside) }
     }
 
-    /// Stores the frozen rule, unless a frozen rule already exists.
+    /// Stores the node counts that are kept while the slip changes, unless node counts are already
+    /// stored.
     pub(super) fn freeze(&self, made: FrozenRule) {
         if let Some(rule) = self.frozen_rule {
             rule.get_or_init(|| made);

@@ -20,8 +20,8 @@ pub(super) const MAX_INNER_NODES: usize = 24;
 /// provide a starting value.
 pub(super) const UNRESOLVED: usize = 8;
 
-/// Maximum number of nodes along a chord for an oil. If a chord needs more nodes, its spin pole
-/// counts as inside the ellipse, and the number of nodes does not depend on the slip.
+/// Maximum number of nodes along a chord of a lubricated contact. If a chord needs more nodes, its
+/// spin pole counts as inside the ellipse, and the number of nodes does not depend on the slip.
 const MAX_LUBRICATED_NODES: usize = 6;
 
 /// Maximum number of rings of equal pressure. If more rings were needed for an oil, integration

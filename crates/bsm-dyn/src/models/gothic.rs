@@ -230,9 +230,9 @@ impl GothicBall {
         threshold_play(&grooves, &two_contacts)
     }
 
-    /// Returns the axial play \[m\] at which the gap at the far flank with friction equals the gap
-    /// without play and without friction (AC10). Returns `None` if two contacts cannot carry the
-    /// axial force \[N\].
+    /// Returns the axial play \[m\] for which friction does not change the gap at the far flank:
+    /// with this play and with friction, the gap equals the gap without play and without friction
+    /// (AC10). Returns `None` if two contacts cannot carry the axial force \[N\].
     pub fn compensating_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
         let grooves = Grooves::of(&self.screw, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
@@ -492,7 +492,8 @@ impl GothicBall {
 }
 
 impl GothicState {
-    /// Returns the normal loads of the four contacts \[N\], which are zero for gaps.
+    /// Returns the normal loads of the four contacts \[N\]. The load is zero where the ball does
+    /// not touch the flank.
     pub fn loads(&self) -> [f64; FLANKS] {
         self.contacts.map(|contact| contact.and_then(|contact| contact.state.load).unwrap_or(0.0))
     }
@@ -755,8 +756,9 @@ impl Search<'_> {
         Some(if stops { [rolling, unchanged] } else { [unchanged, rolling] })
     }
 
-    /// Returns the position of the ball at which the normal loads balance the friction of the
-    /// selected flanks for a given starting value, or `None` if no such position is found.
+    /// Returns the position of the ball at which the normal loads balance the friction forces at
+    /// the selected flanks, or `None` if no such position is found. The friction forces are
+    /// calculated from the given starting value.
     fn equilibrium_position(
         &self,
         start: &Root,

@@ -288,7 +288,7 @@ impl<D: Scalar> ElasticPoint<D> {
 }
 
 impl RacewayWorkspace {
-    /// Finds the rolling ball; see [`RollingBall::of`].
+    /// Returns the loads, contact angles and motion of a rolling ball; see [`RollingBall::of`].
     pub(crate) fn rolling_ball(
         &mut self,
         contacts: &ElasticContacts,

@@ -43,8 +43,8 @@ pub struct ContactSite<D> {
 /// not each component.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlipPower<D> {
-    /// Power dissipated by the slip at the contact center, which is common to all points of the
-    /// contact.
+    /// Power dissipated by the slip at the contact center. This slip component is the same at all
+    /// points of the contact.
     pub center: D,
     /// Power dissipated by spin about the contact normal.
     pub spin: D,

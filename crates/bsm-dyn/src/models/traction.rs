@@ -231,8 +231,8 @@ impl Traction {
 }
 
 /// Relative difference of the precession rates and of the efficiencies below which two steady
-/// states are the same. Roots are refined to ten digits, and different roots on a branch differ
-/// more except at a fold.
+/// states are considered equal. Roots are refined to ten digits. Except at a fold, different roots
+/// on a branch differ by more than this value.
 const SAME_STATE_TOL: f64 = 1e-6;
 
 /// Returns true if two steady states are the same except for rounding errors.

@@ -83,8 +83,8 @@ impl<const K: usize> BorderedMatrix<K> {
     ///
     /// # Panics
     ///
-    /// Panics if the matrix has no such entry, either because the blocks are not neighbors or
-    /// because the equation or the unknown does not exist.
+    /// Panics if the matrix has no entry in the given row and column. The reason is either that the
+    /// blocks are not neighbors or that the equation or the unknown does not exist.
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         let (chain, border) = (K * self.diagonal.len(), self.border);
         let border_index = |x: usize| {

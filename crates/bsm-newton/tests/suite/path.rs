@@ -84,7 +84,8 @@ fn close_pair_of_sign_changes_is_found_or_counted_as_unresolved() {
     }
 }
 
-/// The curve y = 1/(1 − x) crosses every height before its pole. The caller then ends the path.
+/// As the curve y = 1/(1 − x) approaches its pole, y grows without limit. The path therefore
+/// continues until the caller ends it.
 #[test]
 fn path_toward_a_pole_continues_until_the_caller_ends_it() {
     let pole = |x: f64, y: f64| Ok((y * (1.0 - x) - 1.0, [-y, 1.0 - x]));
@@ -100,8 +101,8 @@ fn path_toward_a_pole_continues_until_the_caller_ends_it() {
     assert!(first.end == PathEnd::Ended && first.crossings.len() == 1, "{first:?}");
 }
 
-/// These failures are expected, because the domain of the equations is limited, or because there is
-/// no curve near the seed.
+/// The failures in this test are expected, because the domain of the equations is limited, or
+/// because there is no curve near the seed.
 #[test]
 fn failure_to_find_or_follow_a_solution_curve_is_reported() {
     let root = |x: f64, y: f64| {

@@ -1,4 +1,5 @@
-//! Tests with standard nonlinear systems, with limits on their cost and with expected failures.
+//! Tests with standard nonlinear systems. They limit the cost of the solves and include problems on
+//! which the solver is expected to fail.
 //!
 //! The problems, their numbers and their roots come from Moré, Garbow and Hillstrom, *Testing
 //! Unconstrained Optimization Software*, ACM Trans. Math. Softw. 7 (1981).

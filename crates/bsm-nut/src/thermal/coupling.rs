@@ -11,8 +11,8 @@ use crate::{BallModel, BallNut, Equilibrium, FrictionSum, NutError, PreloadKind,
 /// held constant.
 ///
 /// This trait is implemented for every function that calculates the friction from nut, equilibrium,
-/// speeds, oil temperature and interpolation accuracy. Such a function must not have
-/// discontinuities, because it cannot hold ball models constant.
+/// speeds, oil temperature and interpolation accuracy. The friction from such a function must be
+/// continuous, because the function does not receive the ball models that must be held constant.
 pub trait HeldFriction {
     /// Returns the total friction at a given equilibrium and given speeds, or `None` if the
     /// friction of any ball is unknown.
@@ -185,7 +185,7 @@ impl WarmNut<'_> {
         }
     }
 
-    /// Returns heat and loads of the nut at given temperature rises and at speeds that are
+    /// Returns the heat and the loads of the nut at given temperature rises and at speeds that are
     /// multiplied by a factor (I14).
     ///
     /// * `all`: if true, the result includes the phases at standstill, which generate no heat.
@@ -225,8 +225,9 @@ impl WarmNut<'_> {
         self.phases.iter().zip(&heated.phases).map(of_phase).collect()
     }
 
-    /// Returns heat and loads of the nut at given temperature rises, as [`heated`](Self::heated)
-    /// does, with a given accuracy of the friction and with given ball models.
+    /// Returns the heat and the loads of the nut at given temperature rises, like
+    /// [`heated`](Self::heated), but with a given accuracy of the friction and with given ball
+    /// models.
     ///
     /// * `held`: models that must be used for the balls, for each phase of the duty cycle. If the
     ///   list is empty, the models are chosen automatically.

@@ -45,11 +45,12 @@ const SIZES: (f64, f64) = (20.0, 1.0);
 
 /// Maximum length of a continuation step, in units of the scales [`SIZES`].
 const MAX_CONTINUATION_STEP: f64 = 0.5;
-/// Maximum length of a continuation step if the points on the branch are returned as results, in
-/// units of the scales [`SIZES`].
+/// Maximum length of a continuation step, in units of the scales [`SIZES`], if the points on the
+/// branch are returned as results.
 const MAX_STEP_FOR_RESULTS: f64 = 0.25;
 
-/// Lower limit of the ratio of speed to fold speed for tracing the unstable states beyond the fold.
+/// Minimum ratio of speed to fold speed down to which the unstable states beyond the fold are
+/// traced.
 const UNSTABLE_SPEED_FRACTION: f64 = 0.8;
 
 /// Residual of the heat balance, divided by the generated heat, below which Newton's method stops.
@@ -265,9 +266,9 @@ impl HeatBalance<'_> {
         Ok((self.slopes(rises, factor, Some(&heat))?, heat))
     }
 
-    /// Returns the derivatives `$P'$` of the heat with respect to the temperatures. If the heat at
-    /// the given temperature rises is known (`here`), one-sided differences are used; otherwise,
-    /// central differences.
+    /// Returns the derivatives `$P'$` of the heat with respect to the temperatures. One-sided
+    /// differences are used if `here` contains the heat at the given temperature rises. Otherwise,
+    /// central differences are used.
     fn slopes(
         &self,
         rises: &[f64; NODES],
@@ -327,8 +328,8 @@ impl HeatBalance<'_> {
         gains
     }
 
-    /// Returns the temperature rises in the steady state at a given speed factor, together with
-    /// heat and loads of the nut. The search starts at the temperature rises `rises`. Returns
+    /// Returns the temperature rises in the steady state at a given speed factor, together with the
+    /// heat and the loads of the nut. The search starts at the temperature rises `rises`. Returns
     /// `None` if the search does not converge.
     fn steady_rises(
         &self,

@@ -242,8 +242,9 @@ fn extreme_nut(rng: &mut impl Rng) -> BallNut {
     nut
 }
 
-/// Returns an extreme support. Either the loads range over many orders of magnitude, or the
-/// displacements are prescribed: up to one percent of the ball radius, with corresponding tilts.
+/// Returns a random support with extreme values. Either the loads range over many orders of
+/// magnitude, or the displacements are prescribed, with up to one percent of the ball radius and
+/// corresponding tilts.
 fn extreme_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     let mut support = support(rng, nut);
     let size = rng.log_uniform(1e-6, 10.0);

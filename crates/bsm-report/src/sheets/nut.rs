@@ -12,7 +12,7 @@ const CLASSES: [(f64, f64, &str); 4] = [
     (0.0, 0.25, "below 1/4"),
 ];
 
-/// Needed ball gap below which all balls are considered equal \[mm\]. With equal balls, the
+/// Required ball gap below which all balls are considered equal \[mm\]. With equal balls, the
 /// calculated ball advance is only a rounding error, far below this limit of one nanometer.
 const NO_GAP: f64 = 1e-6;
 

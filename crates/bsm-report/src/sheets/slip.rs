@@ -25,7 +25,8 @@ const EXACT: Stroke = Stroke::Dashed;
 /// Index of the slip between neighboring balls, which does not belong to a contact.
 const BETWEEN_BALLS: usize = 1;
 
-/// All slip formulas. For the differential slip, there is only one formula.
+/// All slip formulas. The differential slip has a single entry, because its printed and exact
+/// formulas are the same.
 const SLIPS: [Slip; 9] = [
     (
         "differential",
@@ -139,8 +140,8 @@ fn at(case: &Case, (name, _): Sweep, value: f64) -> Result<Case, CaseError> {
     Ok(varied)
 }
 
-/// Slips at a point of a sweep, and the efficiency. The model calculates the efficiency; for a
-/// rolling ball, Lin's closed-form solution is used.
+/// Slips and efficiency at a point of a sweep. The efficiency is calculated by the model or, for a
+/// rolling ball, with Lin's closed-form solution.
 type State = (Answer, f64);
 
 /// A point of a sweep: value of the varied quantity, and results if there is a solution.

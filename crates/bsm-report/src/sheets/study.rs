@@ -25,7 +25,7 @@ pub struct NamedCurve {
 pub struct Study {
     /// The figures of the analysis.
     pub figures: Vec<Figure>,
-    /// Named curves from which published trends are checked.
+    /// Named curves that are checked for published trends.
     pub named_curves: Vec<NamedCurve>,
 }
 

@@ -24,7 +24,7 @@ const BATCH: f64 = 1e-7;
 /// efficiencies that are almost zero because friction nearly holds the load.
 const ROUNDING: f64 = 1e-14;
 
-/// Severity of an outcome, from the mildest to the most severe.
+/// Severity of an outcome, in ascending order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Severity {
     Converged,
@@ -148,8 +148,8 @@ pub(crate) fn with_sensitivities(
 /// not satisfy the power balance.
 const ROUNDED: &str = "not_converged PowerDoesNotBalance";
 
-/// Solves all cases as a table, in which vectorized kernels solve some models, and compares the
-/// outcomes with the given answers.
+/// Solves all cases as one table, so that vectorized kernels are used for some models, and compares
+/// the outcomes with the given answers.
 pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer]) {
     let given = |key: &InputKey| cases.iter().any(|case| case[*key].is_some());
     let names = InputKey::ALL.into_iter().filter(given).map(InputKey::name);

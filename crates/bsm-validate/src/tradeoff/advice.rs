@@ -47,8 +47,8 @@ pub(super) fn of(settings: &[SettingResult], groups: &[Group]) -> Vec<Advice> {
     advice
 }
 
-/// Returns the recommended setting for a tolerance. Among the settings that meet the tolerance and
-/// take little more time than the fastest of them, this is the most accurate setting. Small
+/// Returns the recommended setting for a tolerance. Of all settings that meet the tolerance and are
+/// nearly as fast as the fastest such setting, the most accurate setting is recommended. Small
 /// differences in time are ignored, because measured times vary.
 fn pick(
     settings: &[SettingResult],

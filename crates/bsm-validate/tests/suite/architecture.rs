@@ -289,7 +289,7 @@ fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     arrows
 }
 
-/// Returns all crates that can be reached from a crate by following the arrows.
+/// Returns all crates that can be reached from a crate by following the arrows of the drawing.
 fn reachable_crates(from: &str, edges: &BTreeMap<String, BTreeSet<String>>) -> BTreeSet<String> {
     let next = edges.get(from).into_iter().flatten();
     next.flat_map(|to| reachable_crates(to, edges).into_iter().chain([to.clone()])).collect()

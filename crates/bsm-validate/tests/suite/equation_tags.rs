@@ -45,7 +45,8 @@ fn parts(text: &str) -> [String; 2] {
     parts
 }
 
-/// Returns the files of all modules that a part of a file declares without a body.
+/// Returns the files of all modules that are declared without a body (`mod name;`) in a part of a
+/// file.
 fn modules(file: &Path, part: &str) -> Vec<PathBuf> {
     let root = ["lib", "main", "mod"].iter().any(|name| file.file_stem() == Some(name.as_ref()));
     let folder = if root { file.with_file_name("") } else { file.with_extension("") };

@@ -57,7 +57,8 @@ impl MotorPeak {
 }
 
 impl AxisState<'_> {
-    /// Returns the start or end of a phase at which a quantity has its largest magnitude.
+    /// Returns the load and the motor torques at the point where a quantity has its largest
+    /// magnitude. The starts and ends of all phases are considered.
     pub(super) fn motor_peak(
         &self,
         number: impl Fn(&Self, &Torques) -> Option<f64>,

@@ -74,8 +74,8 @@ impl RuleInputs<'_> {
         self.number(output!(shaft_diameter_mm)).unwrap_or(f64::NAN)
     }
 
-    /// Returns an output that must exist if `condition` is not `None`. If the output is missing,
-    /// NaN is returned, which violates the rule.
+    /// Returns an output that must exist if `condition` is not `None`. A missing output is returned
+    /// as NaN, which violates the rule that uses the output.
     fn required_if(&self, name: OutputName, condition: Option<f64>) -> Option<f64> {
         condition.map(|_| self.number(name).unwrap_or(f64::NAN))
     }
@@ -178,7 +178,7 @@ impl RuleInputs<'_> {
     /// Describes remedies for an RMS motor torque that is too large. For a cycle, no permitted load
     /// can be stated, because the RMS torque depends on all phases.
     ///
-    /// * `margin`: permitted torque / torque.
+    /// * `margin`: ratio of the permitted torque to the actual torque.
     fn remedies_of_rms(&self, margin: f64) -> String {
         let has_cycle = self.case.entries.cycle.is_some();
         let peak = self.motor_peaks[0].as_ref().filter(|_| !has_cycle);
@@ -287,7 +287,7 @@ macro_rules! rules {
     ($(#[$doc:meta])* $rules:ident($of:ident, $margin:ident) $titles:ident: $(
         $title:literal $name:ident $(= $value:expr,)? $bound:ident $limit:expr, $source:expr, $remedy:expr;
     )*) => {
-        /// Titles of the rules in this table.
+        /// Titles of the rules that are declared together.
         const $titles: &[&str] = &[$($title),*];
 
         $(#[$doc])*

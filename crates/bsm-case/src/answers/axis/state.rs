@@ -365,8 +365,8 @@ impl<'a> AxisState<'a> {
         Some(self.machine.required_life?.revolutions(lead, mean_speed))
     }
 
-    /// Returns the dynamic load rating, including its modifying factors, that the required life
-    /// demands \[N\].
+    /// Returns the dynamic load rating \[N\] that is necessary for the required life. The rating
+    /// includes its modifying factors.
     pub(super) fn required_rating(&self) -> Option<f64> {
         let share = self.required_revolutions()? / self.life()?.revolutions;
         Some(self.axis().dynamic_rating * share.cbrt())

@@ -30,7 +30,8 @@ const RESULTS: [(&str, OutputName, &[Need]); 7] = [
     ("speed number", output!(largest_speed_number_mm_min), &[PitchCircle, Speed]),
 ];
 
-/// The torque with a constant friction coefficient or a catalog efficiency does not need the speed.
+/// Output for the torque. If the friction coefficient is constant or a catalog efficiency is used,
+/// the torque does not depend on the speed.
 const TORQUE: OutputName = output!(screw_torque_Nm);
 
 /// Results that depend neither on the screw nor on its load, such as the position resolution of a
@@ -39,7 +40,7 @@ const OTHER_RESULTS: [OutputName; 3] =
     [output!(stopping_distance_mm), output!(travel_per_step_um), output!(travel_per_count_um)];
 
 impl Need {
-    /// Names the inputs that meet the requirement.
+    /// Returns the name of the required input, or the names of the alternative inputs.
     fn inputs(self) -> &'static str {
         match self {
             Lead => "lead_mm",
@@ -53,7 +54,7 @@ impl Need {
         }
     }
 
-    /// Returns true if the case contains an input that meets the requirement.
+    /// Returns true if the case contains the required input or one of the alternative inputs.
     ///
     /// * `has_groove`: true if the groove is completely given, so that ratings, core diameter and
     ///   pitch circle can be calculated.

@@ -65,8 +65,8 @@ pub(super) fn arrangement(case: &Case) -> Result<Option<Arrangement>, CaseError>
     }
 }
 
-/// Returns the arrangement of a nut pair. It is determined by the loaded flanks of the circuits,
-/// unless every circuit has both flanks.
+/// Returns the arrangement of a nut pair. The arrangement is determined by the loaded flanks of the
+/// circuits, unless every circuit can carry load on both flanks.
 fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangement, CaseError> {
     let one_flank = nut.circuits.iter().find(|circuit| circuit.flanks != Flanks::Both);
     let by_flanks = one_flank.map(|circuit| {

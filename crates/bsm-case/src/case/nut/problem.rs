@@ -101,7 +101,7 @@ pub(crate) struct NutPreload {
     pub(crate) warm: f64,
     /// Offset or ball oversize that sets the preload \[m\].
     pub(crate) setting: f64,
-    /// Axial displacement of the contacts on each side that the preload causes \[m\].
+    /// Axial displacement that the preload causes in the contacts on each side \[m\].
     pub(crate) approach: f64,
 }
 
@@ -467,8 +467,8 @@ fn section_of_screw(case: &Case, diameter: f64) -> f64 {
     0.25 * PI * (diameter.powi(2) - bore.powi(2))
 }
 
-/// Returns a copy of the case in which the nut is a pair, preloaded with a typical fraction of the
-/// dynamic load rating, if neither a load nor a preload is given. Returns `None` otherwise.
+/// If neither a load nor a preload is given, returns a copy of the case with a nut pair that is
+/// preloaded with a typical fraction of the dynamic load rating. Otherwise, returns `None`.
 fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
     if case.is_loaded() {
         return Ok(None);

@@ -18,8 +18,8 @@ use crate::{Case, CaseError, InputKey, NutProblem, Settings};
 /// Speed at which manufacturers measure the drag torque due to preload \[rad/s\].
 const SLOW: f64 = 100.0 * RPM;
 
-/// A nut under the conditions under which manufacturers set the preload and measure the drag
-/// torque: cold and at the speed [`SLOW`].
+/// A nut in the state in which manufacturers set the preload and measure the drag torque: cold and
+/// at the speed [`SLOW`].
 pub(crate) struct ColdNut {
     problem: NutProblem,
     nut: BallNut,

@@ -20,7 +20,7 @@ pub(crate) mod unknown {
     pub(crate) const TILT: usize = 1;
     /// Ratio of the load at B (loaded flank of the screw) to the axial load per ball.
     pub(crate) const SCREW_LOAD: usize = 2;
-    /// Ratio of the precession rate, relative to the nut or absolute, to the relative speed.
+    /// Precession rate, either absolute or relative to the nut, divided by the relative speed.
     pub(crate) const PRECESSION: usize = 3;
     /// Signed slip speed at A, divided by `$r_b|W|$`.
     pub(crate) const SLIP: usize = 4;

@@ -8,7 +8,7 @@ use super::ball_unknowns::BALL_UNKNOWNS;
 /// Reusable buffers for solving `N` equations with Newton's method.
 pub(crate) type Workspace<const N: usize = BALL_UNKNOWNS> = bsm_newton::Workspace<N>;
 
-/// Converts the values of unknowns into jets that carry the derivatives with respect to these
+/// Converts the values of unknowns into jets that contain the derivatives with respect to these
 /// unknowns.
 pub(crate) fn variables<const N: usize>(x: &[f64; N]) -> [Jet<N>; N] {
     std::array::from_fn(|i| Jet::variable(x[i], i))

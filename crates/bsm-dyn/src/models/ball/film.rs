@@ -46,8 +46,8 @@ struct FilmConstants<P> {
     rigid_coefficient: P,
     /// Constant `$c$` of (Y16).
     constant_c: P,
-    /// Ratio of the rolling force (Y16) to the product of the semi-axis, the bracketed term,
-    /// `$\varphi_T$` and `$U_2^{3/4}$`.
+    /// Ratio of the rolling force (Y16) to the product of the semi-axis, the term in brackets in
+    /// (Y16), `$\varphi_T$` and `$U_2^{3/4}$`.
     rolling_factor: P,
 }
 
@@ -450,8 +450,8 @@ pub(crate) struct EhlLoss<D> {
     pub(crate) film: ScaledFilm<D>,
     /// Wrench of friction and rolling resistance on the ball.
     pub(crate) wrench: Wrench<D>,
-    /// Sliding power divided by `$W$`. The power carries derivatives with respect to the inputs,
-    /// but not with respect to the unknowns.
+    /// Sliding power divided by `$W$`. It includes derivatives with respect to the inputs, but not
+    /// with respect to the unknowns.
     pub(crate) sliding: D,
     /// Power of the rolling resistance divided by `$W$`.
     pub(crate) rolling: D,

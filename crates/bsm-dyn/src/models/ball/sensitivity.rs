@@ -38,8 +38,7 @@ impl<D: Scalar> Performance<D> {
 ///
 /// * `weights`: weights of the equations, which must equal the weights with which the root was
 ///   found.
-/// * `residual`: function that evaluates the equations of `system` with inputs that carry
-///   derivatives.
+/// * `residual`: function that evaluates the equations of `system` for inputs with derivatives.
 ///
 /// # Errors
 ///

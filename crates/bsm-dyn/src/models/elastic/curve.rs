@@ -14,7 +14,7 @@ use super::steady::{CurveState, LOG_NO_INERTIA, STRAIGHTNESS_TOL};
 use crate::cost::{count_of, count_search};
 use crate::models::ball::{BALL_UNKNOWNS, ElasticContacts, Evidence, Reason, SolveFailure};
 
-/// Step control along the equilibrium curve. Step lengths are in units of the scales of the
+/// Step control along the equilibrium curve. Step lengths are relative to the scales of the
 /// unknowns. Following a curve usually takes about thirty steps. Roots are refined afterwards by
 /// Newton's method.
 const STEP_CONTROL: StepControl = StepControl {

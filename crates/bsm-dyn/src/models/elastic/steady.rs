@@ -32,7 +32,7 @@ const RESIDUAL_TOL: f64 = 1e-10;
 /// Residual tolerance of (S14) and (S20) for an intermediate state (dimensionless).
 const PREDICTOR_RESIDUAL_TOL: f64 = 1e-7;
 
-/// Limits of Newton's method for a state on the equilibrium curve. Step lengths are in units of the
+/// Limits of Newton's method for a state on the equilibrium curve. Step lengths are relative to the
 /// scales of the coordinates. After a step of 1e-8, the error is of the order of the square of the
 /// step, which is smaller than the rounding errors. If Newton's method does not converge within 8
 /// steps, the starting value was not close to the curve.
@@ -189,7 +189,7 @@ impl<F: Real> SlidingBall<F> {
     }
 
     /// Returns the scales of `$x_A$`, `$x_B$` and `$c$`. Each scale is about one third of the
-    /// coordinate.
+    /// magnitude of its coordinate.
     #[inline(always)]
     pub(super) fn scale(&self, [nut, screw]: [F; 2], c: F) -> [F; 3] {
         // sinα/d is an upper limit of −x_A.
@@ -471,7 +471,7 @@ struct StateEquations<'a, F, const STEADY: bool> {
     ball: &'a SlidingBall<F>,
     /// Scales of `$x_B$` and `$c$`; the scale of `$\ln q$` is one.
     scale: [F; 2],
-    /// Difference `$\ln\mu$` of the ball minus `$\ln\mu$` of the steady motion.
+    /// Difference between `$\ln\mu$` of the ball and `$\ln\mu$` of the steady motion.
     below: F,
 }
 

@@ -34,8 +34,8 @@ const EQUATION_NAMES: [&str; UNKNOWNS] = [
     "axial position of the nut",
 ];
 
-/// Maximum length of a Newton step: change of position divided by the approach, and relative change
-/// of the motion.
+/// Limits of a Newton step: maximum change of position divided by the approach, and maximum
+/// relative change of the motion.
 const MAX_STEP: [f64; 2] = [0.5, 0.2];
 
 /// Node counts of the quadrature at the four contacts, which are kept fixed near a root.

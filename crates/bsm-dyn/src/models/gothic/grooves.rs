@@ -73,7 +73,7 @@ impl ArchFit {
 }
 
 impl<D: Scalar> ArchFit<D> {
-    /// Returns a copy of the ball fit in plain numbers, without derivatives.
+    /// Returns a copy of the play, gap and oversize as plain numbers, without derivatives.
     pub(crate) fn values(&self) -> ArchFit {
         ArchFit {
             axial_play: self.axial_play.re(),

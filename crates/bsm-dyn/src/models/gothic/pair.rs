@@ -12,8 +12,8 @@ use crate::models::ball::{SolveFailure, domain_error};
 /// represented by one ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicPair {
-    /// Ball of the nut that moves against its axial force. In the other nut, the axial force drives
-    /// the motion; the ball of that nut is the mirror image of this ball.
+    /// Ball of the nut that moves against its axial force. The other nut is driven by its axial
+    /// force, and its ball is the mirror image of this ball.
     pub driving: GothicBall,
     /// Offset of the nuts relative to each other, measured from first contact of both balls \[m\],
     /// positive.

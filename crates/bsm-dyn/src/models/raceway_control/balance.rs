@@ -34,7 +34,7 @@ const SCAN_INTERVALS: u8 = 48;
 const SAMPLES: usize = SCAN_INTERVALS as usize + 1;
 
 /// Minimum starting point of the scan for other roots, divided by the largest difference of the
-/// cotangents on the flanks (dimensionless).
+/// cotangents at which both contacts are on their flanks (dimensionless).
 const MIN_SCAN_START: f64 = 1e-3;
 
 /// Minimum relative distance between another root and the first root (dimensionless).

@@ -33,7 +33,7 @@ pub struct RigidBall<P = f64> {
     pub(super) signed: P,
     /// Ratio of pitch circle radius to ball radius `$r_m/r_b$`.
     pub(super) radius: P,
-    /// Arc length of the helix per radian `$d/r_b$`.
+    /// Arc length of the helix per radian, divided by the ball radius, `$d/r_b$`.
     pub(super) arc: P,
     /// Inertia ratio `$\mu = m r_m W^2/F_a$`.
     pub(super) inertia_ratio: P,
@@ -62,8 +62,8 @@ pub struct RigidMotion<D = f64> {
     /// Slip speeds divided by `$r_b|W|$`. A negative slip speed at contact A means that the
     /// equations were continued beyond rolling.
     pub speeds: [D; 3],
-    /// Unit vectors in the directions of the slips divided by `$W$`. With the signed friction
-    /// coefficient, friction acts in the opposite directions.
+    /// Unit vectors in the slip directions, where each slip is divided by `$W$`. The friction force
+    /// with the signed friction coefficient acts in the opposite direction.
     pub directions: [Plane<D>; 3],
     /// Precession rate relative to the nut `$p = (P - \Omega_n)/W$`.
     pub precession: D,

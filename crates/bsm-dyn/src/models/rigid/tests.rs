@@ -489,10 +489,10 @@ fn branch_reaches_the_root_of_a_nut_drive_with_large_inertia() {
     assert!(cost.evaluations < 4000, "{cost:?}");
 }
 
-/// At this practical operating point, the first-order solution predicts that the ball rolls on the
-/// nut. The root belongs to a branch that begins at half of the actual inertia, where the slip at
-/// the loaded flank of the nut vanishes: random starting values lead to a root at the actual
-/// inertia, but not at smaller inertia.
+/// At the tested practical operating point, the first-order solution predicts that the ball rolls
+/// on the nut. The root belongs to a branch that begins at half of the actual inertia, where the
+/// slip at the loaded flank of the nut vanishes. Random starting values confirm this behavior: they
+/// lead to a root at the actual inertia, but not at smaller inertia.
 #[test]
 fn solver_does_not_return_a_root_on_a_branch_that_begins_at_finite_inertia() {
     let point = operating_point(

@@ -66,8 +66,8 @@ pub(super) struct SlipBall<'a, P = f64> {
     /// slip.
     pub(super) frozen_rules: Option<&'a [OnceCell<FrozenRule>; 2]>,
     pub(super) creep: f64,
-    /// Scaled residual up to which a root is refined. The residual tolerance is [`ROOT_RESIDUAL`]
-    /// or, if larger, this goal.
+    /// Scaled residual up to which a root is refined. The residual tolerance is the larger of this
+    /// value and [`ROOT_RESIDUAL`].
     pub(super) residual_goal: f64,
     /// True if the unknowns for high centrifugal loads (T10) are used.
     pub(super) uses_nut_angle: bool,
@@ -439,8 +439,8 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// equations.
     ///
     /// If the nut speed is large compared with the relative speed, or if the ball almost sticks to
-    /// the nut, the difference is the nut speed. This choice avoids cancellation in the slip.
-    /// Otherwise, the difference is zero.
+    /// the nut, this function returns the nut speed. This choice avoids cancellation in the slip.
+    /// Otherwise, the function returns zero.
     #[inline(always)]
     pub(super) fn offset(&self) -> P {
         let nut = self.contacts.scaled.nut_speed;
@@ -644,8 +644,8 @@ impl SlipBall<'_> {
         [force, pressing, force, moment, moment, moment, force]
     }
 
-    /// Returns an upper estimate of the friction force at the nut. The estimate assumes that the
-    /// slip is as large as the velocities whose difference is the slip (T11).
+    /// Returns an upper estimate of the friction force at the nut. The slip is a difference between
+    /// velocities, but the estimate uses the sum of their magnitudes (T11).
     ///
     /// * `load`: centrifugal force divided by the axial load.
     fn friction_force(&self, y: &[f64; BALL_UNKNOWNS], friction: f64, load: f64) -> f64 {

@@ -78,8 +78,9 @@ impl SlipBall<'_> {
     }
 }
 
-/// A lubricated root, its operating point (whose friction coefficient is the friction scale), and
-/// the rolling ball from which the solver started.
+/// Root of the traction equations for a lubricated ball, its operating point, and the rolling ball
+/// from which the solver started. The friction coefficient of the operating point is the friction
+/// scale.
 struct ScaledRoot {
     contacts: ElasticContacts,
     rolling_ball: RollingBall,

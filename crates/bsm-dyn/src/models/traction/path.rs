@@ -65,7 +65,7 @@ struct InertiaPath {
     /// Roots for which both contacts are on their flanks, in the order in which they occur along
     /// the path.
     roots: Vec<SlipRoot>,
-    /// Contact angles at the first root that is beyond the flanks.
+    /// Contact angles at the first root at which a contact is beyond its flank.
     off_flank: Option<[f64; 2]>,
     /// Unknowns at the last point of the path.
     end: [f64; BALL_UNKNOWNS],
@@ -180,9 +180,9 @@ impl SlipBall<'_> {
         self.outcome_of(if backward.roots.is_empty() { &forward } else { &backward })
     }
 
-    /// Returns all roots with both contacts on their flanks on the path of increasing inertia
-    /// forces, or `None` if path tracking fails. The first root is the root of
-    /// [`followed`](Self::followed).
+    /// Returns all roots on the path of increasing inertia forces at which both contacts are on
+    /// their flanks, or `None` if path tracking fails. The first root is the root that
+    /// [`followed`](Self::followed) returns.
     pub(super) fn all_roots(&self, newton: &mut Workspace) -> Option<Vec<SlipRoot>> {
         let steps = &mut 0;
         let at_rest = self.without_inertia(newton, steps).ok()?;

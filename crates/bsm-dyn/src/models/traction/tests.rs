@@ -87,10 +87,10 @@ fn root_from_random_starts(
 struct SearchCounts {
     no_solution: [usize; 2],
     undecided: [usize; 2],
-    /// Counts for the first hundred operating points that have a solution.
+    /// Numbers of points among the first hundred operating points that have a solution.
     found: [usize; 2],
-    /// Counts for further points that have a solution but that Newton's method did not solve from
-    /// its first starting values.
+    /// Counts for further points that have a solution. At these points, Newton's method found no
+    /// solution from its first starting values.
     hard: [usize; 2],
 }
 
@@ -128,10 +128,10 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
     counts
 }
 
-/// Where the status is `no_solution`, a search from many starting points rarely finds a root; where
-/// there is a solution, this search usually finds a root. The model does not search isolated
-/// branches: on the branch that starts without inertia, 737 extreme points have no solution, and
-/// three of these points have a root on another branch.
+/// A search from many starting points rarely finds a root at points with the status `no_solution`,
+/// and usually finds a root at points with a solution. The model does not search isolated branches.
+/// On the branch that starts without inertia, 737 extreme points have no solution, but three of
+/// these points have a root on another branch.
 #[test]
 fn random_starts_rarely_find_a_root_at_points_reported_as_unsolvable() {
     let points = campaign(250);

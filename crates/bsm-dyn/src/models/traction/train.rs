@@ -25,12 +25,12 @@ use crate::models::workspace::ModelWorkspace;
 /// of the total change of the push forces.
 const PUSH_STEPS: Continuation = Continuation { first_step: 1.0, min_step: 0.02 };
 
-/// Equations of a ball that travels at the speed of its ball train. The precession rate is given,
-/// and the force of the ball behind is unknown instead.
+/// Equations of a ball that travels at the speed of its ball train. The precession rate is given.
+/// The force from the ball behind takes its place as an unknown.
 struct TrainEquations<'a> {
     ball: &'a SlipBall<'a>,
     push: Push,
-    /// Given precession rate, measured in the same way as the corresponding unknown of a free ball.
+    /// Given precession rate, with the same offset as the corresponding unknown of a free ball.
     precession: f64,
 }
 
@@ -348,8 +348,8 @@ impl TrainBall {
         })
     }
 
-    /// Returns the motion at the precession rate of the ball train under a given force of the ball
-    /// in front \[N\], or `None` if the solver finds no motion.
+    /// Returns the motion of a ball for a given precession rate of the ball train and a given force
+    /// from the ball in front \[N\], or `None` if the solver finds no motion.
     ///
     /// The force of the ball behind is part of the result. If this force is negative, the ball
     /// behind would have to pull.
