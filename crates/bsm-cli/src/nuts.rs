@@ -161,12 +161,11 @@ pub(crate) fn columns() -> String {
         [name, unit, about, when].map(str::to_owned).to_vec()
     };
     let sizes = ListColumn::of_sizes(true);
-    let of_sizes = sizes.iter().map(|ListColumn { output, .. }| output);
-    let is_new = |output: &&Output| !of_sizes.clone().any(|known| known.name == output.name);
+    let is_new = |output: &&Output| !sizes.iter().any(|known| known.name == output.name);
     let of_tables = bsm_case::table("manufacturer").flat_map(|quantity| quantity.columns);
     let of_list = sizes.iter().map(|column| {
         let when = if column.is_of_sheet() { "with a requirement" } else { "" };
-        row(column.output.name, column.output.unit, column.output.about, when)
+        row(&column.name, column.unit, column.about, when)
     });
     let when = "with --from TABLE.csv";
     let numbers = of_tables.filter(is_new).map(|o| row(o.name, o.unit, o.about, when));

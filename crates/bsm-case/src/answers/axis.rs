@@ -423,24 +423,24 @@ pub struct AxisReport {
 
 /// Returns the columns of the axis sheet that are used to compare nuts in a table.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
-    const NAMES: [&str; 14] = [
-        "cycle_life_h",
-        "critical_speed_ratio",
-        "buckling_safety",
-        "static_safety_factor",
-        "axis_stiffness_N_um",
-        "peak_motor_torque_Nm",
-        "back_driving_torque_Nm",
-        "screw_efficiency",
-        "mean_heat_W",
-        "screw_mass_kg",
-        "mass_of_nut_and_screw_kg",
-        "inertia_of_screw_kg_m2",
-        "warm_preload_N",
-        "fold_speed_factor",
+    const NAMES: [OutputName; 14] = [
+        output!(cycle_life_h),
+        output!(critical_speed_ratio),
+        output!(buckling_safety),
+        output!(static_safety_factor),
+        output!(axis_stiffness_N_um),
+        output!(peak_motor_torque_Nm),
+        output!(back_driving_torque_Nm),
+        output!(screw_efficiency),
+        output!(mean_heat_W),
+        output!(screw_mass_kg),
+        output!(mass_of_nut_and_screw_kg),
+        output!(inertia_of_screw_kg_m2),
+        output!(warm_preload_N),
+        output!(fold_speed_factor),
     ];
     let all = || QUANTITIES.iter().chain(WARM).flat_map(|quantity| quantity.columns);
-    NAMES.into_iter().filter_map(move |name| all().find(|column| column.name == name))
+    NAMES.into_iter().filter_map(move |name| all().find(|column| OutputName::from(*column) == name))
 }
 
 /// Outputs that describe the load at standstill. They are all zero if no force acts at standstill.

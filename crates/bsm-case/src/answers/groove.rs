@@ -488,8 +488,9 @@ impl Table {
     fn intervals(&self) -> Value {
         let row = |bands: &Vec<Option<Band>>| -> Value {
             let named = self.columns.iter().zip(bands);
-            let named = named
-                .filter_map(|(column, band)| Some((column.name.to_owned(), json!(pair((*band)?)))));
+            let named = named.filter_map(|(column, band)| {
+                Some((column.name.clone().into_owned(), json!(pair((*band)?))))
+            });
             Value::Object(named.collect())
         };
         if !self.keyed {

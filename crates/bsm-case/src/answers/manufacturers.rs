@@ -52,8 +52,56 @@ pub struct ManufacturerNut {
     pub name: String,
     /// Case of the nut, with the ratings stated by the manufacturer.
     pub case: Case,
-    /// Names and cells of the columns that are not inputs, such as the price.
-    pub texts: Vec<(String, String)>,
+    /// Cells of the columns that the program does not know, such as the price.
+    pub own: Vec<OwnCell>,
+}
+
+/// Cell of a column that the program does not know.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OwnCell {
+    /// Name of the column.
+    pub name: String,
+    /// Value in the cell.
+    pub value: OwnValue,
+}
+
+/// Value in a column that the program does not know; `None` if the cell is empty.
+#[derive(Debug, Clone, PartialEq)]
+pub enum OwnValue {
+    /// Number in a column that contains only numbers.
+    Number(Option<f64>),
+    /// Text in a column in which at least one cell contains text.
+    Text(Option<String>),
+}
+
+impl OwnCell {
+    /// Returns the number in the cell, or `None` if the cell is empty or contains text.
+    fn number(&self) -> Option<f64> {
+        match self.value {
+            OwnValue::Number(number) => number,
+            OwnValue::Text(_) => None,
+        }
+    }
+
+    /// Returns the text in the cell, or `None` if the cell is empty or contains a number.
+    fn text(&self) -> Option<&str> {
+        match &self.value {
+            OwnValue::Number(_) => None,
+            OwnValue::Text(text) => text.as_deref(),
+        }
+    }
+
+    /// Returns true if the column contains only numbers.
+    pub(crate) fn is_numeric(&self) -> bool {
+        matches!(self.value, OwnValue::Number(_))
+    }
+
+    fn json(&self) -> Value {
+        match &self.value {
+            OwnValue::Number(number) => json!(number),
+            OwnValue::Text(text) => json!(text),
+        }
+    }
 }
 
 impl ManufacturerNut {
@@ -75,7 +123,7 @@ impl ManufacturerNut {
         })?;
         let nuts = cells.each(&columns, |place, row| {
             let (name, case) = (format!("row {place}"), Case::default());
-            let mut nut = Self { name, case, texts: Vec::new() };
+            let mut nut = Self { name, case, own: Vec::new() };
             let (mut circuits, mut core, mut stiffness) = (None, None, None);
             for ((word, change), text) in row {
                 if word == "nut" {
@@ -102,11 +150,19 @@ impl ManufacturerNut {
             complete(&mut nut.case, circuits, core)?;
             Ok(nut)
         })?;
-        let texts = |place: usize| {
-            kept.iter().map(move |(name, cells)| (name.clone(), cells[place].clone()))
+        let own = |place: usize| {
+            kept.iter().map(move |(name, cells)| {
+                let value = match cells {
+                    ColumnValues::Numbers(numbers) => {
+                        OwnValue::Number(Some(numbers[place]).filter(|number| !number.is_nan()))
+                    }
+                    ColumnValues::Texts(texts) => OwnValue::Text(texts[place].clone()),
+                };
+                OwnCell { name: name.clone(), value }
+            })
         };
         let nuts = nuts.into_iter().enumerate();
-        Ok(nuts.map(|(place, nut)| Self { texts: texts(place).collect(), ..nut }).collect())
+        Ok(nuts.map(|(place, nut)| Self { own: own(place).collect(), ..nut }).collect())
     }
 
     /// Returns the case of a requirement with the inputs of this nut.
@@ -210,10 +266,10 @@ fn estimated_ball(case: &Case) -> Option<String> {
 
 /// Columns of values that manufacturers state, each with the column of the corresponding calculated
 /// value.
-const RATED: [[&str; 2]; 3] = [
-    ["dynamic_load_rating_N", "our_dynamic_load_rating_N"],
-    ["static_load_rating_N", "our_static_load_rating_N"],
-    ["stiffness_N_um", "our_stiffness_N_um"],
+const RATED: [[OutputName; 2]; 3] = [
+    [output!(dynamic_load_rating_N), output!(our_dynamic_load_rating_N)],
+    [output!(static_load_rating_N), output!(our_static_load_rating_N)],
+    [output!(stiffness_N_um), output!(our_stiffness_N_um)],
 ];
 
 /// A manufacturer's nut, compared with the calculation.
@@ -242,8 +298,8 @@ pub struct ManufacturerRow {
     /// Notes on an estimated groove: unusual ratings, and rules that are met only for some of the
     /// possible grooves.
     pub notes: Vec<String>,
-    /// Names and cells of the columns that are not inputs, such as the price.
-    pub texts: Vec<(String, String)>,
+    /// Cells of the columns that the program does not know, such as the price.
+    pub own: Vec<OwnCell>,
 }
 
 /// Ratio of ball diameter to lead above which the ball does not fit between adjacent turns.
@@ -307,8 +363,8 @@ impl ManufacturerRow {
         let mut rows = rows.into_iter().collect::<Result<Vec<_>, _>>()?;
         Self::compare(&mut rows);
         let mass = |row: &Self| {
-            let screw = row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
-            screw + row.value("nut_mass_kg").unwrap_or(0.0)
+            let screw = row.value(output!(screw_mass_kg)).unwrap_or(f64::INFINITY);
+            screw + row.value(output!(nut_mass_kg)).unwrap_or(0.0)
         };
         rows.sort_by(|a, b| b.verdict.cmp(&a.verdict).then(mass(a).total_cmp(&mass(b))));
         Ok(rows)
@@ -348,7 +404,7 @@ impl ManufacturerRow {
             groove: if is_estimated { estimated_ball(&at) } else { none },
             contradiction,
             notes: of_ratings.cloned().collect(),
-            texts: nut.texts.clone(),
+            own: nut.own.clone(),
         };
         let Some(requirement) = requirement else { return Ok(row) };
         row.case = nut.within(requirement);
@@ -380,18 +436,38 @@ impl ManufacturerRow {
     }
 
     /// Returns the value in the column with the given name.
-    pub fn value(&self, name: &str) -> Option<f64> {
+    pub fn value(&self, name: OutputName) -> Option<f64> {
         self.number(name)?.value
+    }
+
+    /// Returns the value of an input that occurs in the table.
+    pub fn input(&self, key: InputKey) -> Option<f64> {
+        self.numbers.iter().find(|number| number.column.name == key.name())?.value
     }
 
     /// Returns the 90 % interval of the value in the column with the given name, or `None` if the
     /// value does not depend on an estimated groove.
-    pub fn band(&self, name: &str) -> Option<Band> {
+    pub fn band(&self, name: OutputName) -> Option<Band> {
         self.number(name)?.band
     }
 
-    fn number(&self, name: &str) -> Option<&ListNumber> {
-        self.numbers.iter().find(|number| number.column.name == name)
+    /// Works like [`ManufacturerRow::band`], for a column of the list. An unknown name has no
+    /// interval.
+    pub(crate) fn band_of_column(&self, name: &str) -> Option<Band> {
+        self.numbers.iter().find(|number| number.column.name == name)?.band
+    }
+
+    fn number(&self, name: OutputName) -> Option<&ListNumber> {
+        self.numbers.iter().find(|number| number.column.name == name.name())
+    }
+
+    /// Returns the number in the column with the given index; the columns that the program does not
+    /// know follow after the columns that it knows.
+    pub(crate) fn number_at(&self, place: usize) -> Option<f64> {
+        match place.checked_sub(self.numbers.len()) {
+            Some(place) => self.own[place].number(),
+            None => self.numbers[place].value,
+        }
     }
 
     /// Returns a JSON object with the 90 % interval of each value. The keys are the names of the
@@ -423,7 +499,7 @@ impl ManufacturerRow {
         let (low, high) = RATIO_OVER_MEDIAN;
         for row in rows.iter_mut().filter(|row| row.contradiction.is_none()) {
             let [ball, lead] =
-                [InputKey::ball_diameter_mm, InputKey::lead_mm].map(|key| row.value(key.name()));
+                [InputKey::ball_diameter_mm, InputKey::lead_mm].map(|key| row.input(key));
             let size = ball.zip(lead).filter(|(ball, lead)| ball / lead > MAX_BALL_OVER_LEAD);
             let of_ball = size.map(|(ball, lead)| {
                 format!(
@@ -459,10 +535,10 @@ impl ManufacturerRow {
         let costs = |place: &u32| {
             let row = &rows[*place as usize];
             let [rating, stiffness, mass] =
-                ["dynamic_load_rating_N", "our_stiffness_N_um", "nut_mass_kg"]
+                [output!(dynamic_load_rating_N), output!(our_stiffness_N_um), output!(nut_mass_kg)]
                     .map(|name| row.value(name));
             // A missing number is treated as the worst possible value.
-            let stiffness = row.value("stiffness_N_um").or(stiffness);
+            let stiffness = row.value(output!(stiffness_N_um)).or(stiffness);
             [-rating.unwrap_or(0.0), -stiffness.unwrap_or(0.0), mass.unwrap_or(f64::INFINITY)]
         };
         let costs: Vec<_> = places.iter().map(costs).collect();
@@ -516,15 +592,13 @@ impl ManufacturerRow {
             Some(row.groove.clone().unwrap_or_else(|| "given".to_owned()))
         }));
         columns.push(text("contradiction", &|row| row.contradiction.clone()));
-        for (place, (name, _)) in first.texts.iter().enumerate() {
-            let cell = |row: &Self| row.texts[place].1.clone();
-            let number = |row: &&Self| match cell(row) {
-                empty if empty.is_empty() => Ok(f64::NAN),
-                text => text.parse(),
-            };
-            columns.push(match rows.iter().map(number).collect() {
-                Ok(numbers) => (name.clone(), "", ColumnValues::Numbers(numbers)),
-                Err(_) => text(name, &|row| Some(cell(row))),
+        for (place, own) in first.own.iter().enumerate() {
+            columns.push(if own.is_numeric() {
+                let number = |row: &&Self| row.own[place].number().unwrap_or(f64::NAN);
+                let numbers = rows.iter().map(number).collect();
+                (own.name.clone(), "", ColumnValues::Numbers(numbers))
+            } else {
+                text(&own.name, &|row| row.own[place].text().map(str::to_owned))
             });
         }
         columns
@@ -562,23 +636,32 @@ impl ManufacturerRow {
         let of_grooves = [("groove", Some("groove")), ("intervals", None), ("notes", None)];
         let of_grooves = of_grooves.map(|(name, head)| Column::new(name, head));
         let of_grooves = of_grooves.into_iter().filter(|_| are_estimated);
-        let texts = Some(Column::new("texts", None)).filter(|_| !first.texts.is_empty());
+        let own_numbers: Vec<_> =
+            (0..first.own.len()).filter(|place| first.own[*place].is_numeric()).collect();
+        // JSON contains these numbers in `texts`.
+        let of_own = own_numbers.iter().map(|place| Column {
+            head: Some(first.own[*place].name.clone().into()),
+            ..Column::new("", None)
+        });
+        let texts = Some(Column::new("texts", None)).filter(|_| !first.own.is_empty());
         let row = |row: &&Self| {
             let numbers = row.numbers.iter().map(|number| json!(number.value));
             let of_groove = [json!(row.groove), row.intervals(), json!(row.notes)];
             let texts: Map<_, _> =
-                row.texts.iter().map(|(name, text)| (name.clone(), json!(text))).collect();
+                row.own.iter().map(|own| (own.name.clone(), own.json())).collect();
             std::iter::once(json!(row.name))
                 .chain(numbers)
                 .chain(row.verdict_cells().into_iter().flatten())
                 .chain(of_groove.into_iter().filter(|_| are_estimated))
-                .chain(Some(Value::Object(texts)).filter(|_| !first.texts.is_empty()))
+                .chain(own_numbers.iter().map(|place| json!(row.own[*place].number())))
+                .chain(Some(Value::Object(texts)).filter(|_| !first.own.is_empty()))
                 .collect()
         };
         let columns: Vec<_> = std::iter::once(Column::new("nut", Some("nut")))
             .chain(numbers)
             .chain(of_verdict)
             .chain(of_grooves)
+            .chain(of_own)
             .chain(texts)
             .collect();
         let bands = |row: &&Self| {
@@ -591,11 +674,12 @@ impl ManufacturerRow {
         let bands = listed.iter().map(bands).collect();
         let table =
             Table { rows: listed.iter().map(row).collect(), bands, columns, ..Table::default() };
-        let ratio = |[name, our]: [&str; 2]| {
+        let ratio = |[name, our]: [OutputName; 2]| {
             let ratios = rows.iter().filter_map(|row| Some(row.value(our)? / row.value(name)?));
             let (low, high) =
                 ratios.fold((f64::INFINITY, 0.0_f64), |(l, h), r| (l.min(r), h.max(r)));
-            (high > 0.0).then(|| format!("{name} {} to {}", format_short(low), format_short(high)))
+            (high > 0.0)
+                .then(|| format!("{} {} to {}", name.name(), format_short(low), format_short(high)))
         };
         let ratios: Vec<_> = RATED.into_iter().filter_map(ratio).collect();
         let judged = |verdict| rows.iter().filter(|row| row.verdict == Some(verdict)).count();
@@ -643,12 +727,9 @@ impl ManufacturerRow {
                 rows.len()
             )
         }));
-        let kept: Vec<_> = first.texts.iter().map(|(name, _)| name.as_str()).collect();
-        notes.extend((!kept.is_empty()).then(|| {
-            format!(
-                "These columns are only copied to tables and have no other effect: {}.",
-                kept.join(", ")
-            )
+        let names: Vec<_> = first.own.iter().map(|own| own.name.as_str()).collect();
+        notes.extend((!names.is_empty()).then(|| {
+            format!("These columns have no effect on the calculation: {}.", names.join(", "))
         }));
         notes.extend(first.verdict.map(|_| format!("{passing} of {} nuts pass.", rows.len())));
         notes.extend((undecided > 0).then(|| {

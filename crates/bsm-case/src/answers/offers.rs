@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use crate::answers::axis::{AxisReport, UNUSED_RIGIDITY, sheet_columns};
 use crate::answers::groove::pair;
 use crate::vocabulary::members::{Rows, Sentences, answer, row};
-use crate::{Answer, Criterion, Verdict, output};
+use crate::{Answer, Criterion, OutputName, Verdict, output};
 
 row! {
     /// A design rule that is checked for both offers.
@@ -70,16 +70,16 @@ answer! {
 
 /// Results for which a smaller value is better. For all other results of [`sheet_columns`], except
 /// for the results in [`NO_PREFERENCE`], a larger value is better.
-const SMALLER_IS_BETTER: [&str; 6] = [
-    "critical_speed_ratio",
-    "peak_motor_torque_Nm",
-    "mean_heat_W",
-    "screw_mass_kg",
-    "mass_of_nut_and_screw_kg",
-    "inertia_of_screw_kg_m2",
+const SMALLER_IS_BETTER: [OutputName; 6] = [
+    output!(critical_speed_ratio),
+    output!(peak_motor_torque_Nm),
+    output!(mean_heat_W),
+    output!(screw_mass_kg),
+    output!(mass_of_nut_and_screw_kg),
+    output!(inertia_of_screw_kg_m2),
 ];
 /// Results for which neither a smaller nor a larger value is better.
-const NO_PREFERENCE: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
+const NO_PREFERENCE: [OutputName; 2] = [output!(back_driving_torque_Nm), output!(warm_preload_N)];
 
 /// Returns the name of the better offer, `first` or `second`. Returns `None` if the values are
 /// equal or a value is missing.
@@ -159,12 +159,13 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         let values = [first, second].map(|report| report.number(column.into()));
         values.iter().any(Option::is_some).then(|| {
             let [one, other] = values;
-            let best = if NO_PREFERENCE.contains(&column.name)
-                || has_other_origin && column.name == output!(axis_stiffness_N_um).name()
+            let name = OutputName::from(column);
+            let best = if NO_PREFERENCE.contains(&name)
+                || has_other_origin && name == output!(axis_stiffness_N_um)
             {
                 None
             } else {
-                better(one, other, SMALLER_IS_BETTER.contains(&column.name))
+                better(one, other, SMALLER_IS_BETTER.contains(&name))
             };
             OfferedNumber {
                 number: column.name,
@@ -219,7 +220,7 @@ mod tests {
     #[test]
     fn outputs_that_compare_offers_exist_on_the_axis_sheet() {
         for name in SMALLER_IS_BETTER.into_iter().chain(NO_PREFERENCE) {
-            assert!(sheet_columns().any(|column| column.name == name), "{name}");
+            assert!(sheet_columns().any(|column| OutputName::from(column) == name), "{name:?}");
         }
     }
 }

@@ -1,12 +1,13 @@
 //! Selection of nuts from lists, based on conditions that the nuts must meet.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
 
 use bsm_design::{Band, Candidate, Nut};
 use serde_json::{Map, Value, json};
 
-use super::manufacturers::{ListNumber, ManufacturerRow};
+use super::manufacturers::{ListNumber, ManufacturerRow, OwnCell};
 use super::ratings::QUANTITIES as RATINGS;
 use crate::case::catalog::LISTS;
 use crate::vocabulary::answer::numbers_json;
@@ -75,11 +76,15 @@ quantities! {
 }
 
 /// A numeric column of a list of nuts.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct ListColumn {
     place: usize,
-    /// Output of the column, with name, unit and meaning.
-    pub output: &'static Output,
+    /// Name of the column, with its unit as a suffix.
+    pub name: Cow<'static, str>,
+    /// Unit of the column as text; empty for a column that the program does not know.
+    pub unit: &'static str,
+    /// Meaning of the column.
+    pub about: &'static str,
     is_of_sheet: bool,
     is_shown: bool,
 }
@@ -97,33 +102,53 @@ impl ListColumn {
         let all = of_nut.chain(of_sheet.map(|output| (output, true, !is_warm(output))));
         all.enumerate()
             .map(|(place, (output, is_of_sheet, is_shown))| Self {
-                place,
-                output,
                 is_of_sheet,
                 is_shown,
+                ..Self::of_output(place, output)
             })
             .collect()
     }
 
-    /// Returns the columns of a manufacturer's table. The screen does not show the columns of
-    /// inputs.
+    /// Returns the columns of a manufacturer's table, followed by the numeric columns that the
+    /// program does not know, such as a price. The screen does not show the columns of inputs.
     pub fn of_rows(rows: &[ManufacturerRow]) -> Vec<Self> {
-        let numbers = rows.first().map_or(&[][..], |row| &row.numbers);
+        let Some(first) = rows.first() else { return Vec::new() };
         let column = |(place, number): (usize, &ListNumber)| {
             let output = number.column;
-            Self { place, output, is_of_sheet: false, is_shown: !output.is_input() }
+            Self { is_shown: !output.is_input(), ..Self::of_output(place, output) }
         };
-        numbers.iter().enumerate().map(column).collect()
+        let own = |(place, own): (usize, &OwnCell)| Self {
+            place: first.numbers.len() + place,
+            name: own.name.clone().into(),
+            unit: "",
+            about: "column of the table that has no effect on the calculation",
+            is_of_sheet: false,
+            is_shown: true,
+        };
+        let numbers = first.numbers.iter().enumerate().map(column);
+        let is_numeric = |(_, own): &(usize, &OwnCell)| own.is_numeric();
+        numbers.chain(first.own.iter().enumerate().filter(is_numeric).map(own)).collect()
+    }
+
+    fn of_output(place: usize, output: &'static Output) -> Self {
+        Self {
+            place,
+            name: output.name.into(),
+            unit: output.unit,
+            about: output.about,
+            is_of_sheet: false,
+            is_shown: true,
+        }
     }
 
     /// Returns the column to which a name refers, and the conversion to the unit of the column. The
     /// name may end with a different unit than the column.
     fn named(name: &str, all: &[Self]) -> Result<(Self, UnitChange), CaseError> {
-        let names = || all.iter().map(|column| column.output.name);
-        let own = || all.iter().find(|column| column.output.name == name);
-        let found = own().map(|column| (*column, UnitChange::NONE)).or_else(|| {
+        let names = || all.iter().map(|column| column.name.as_ref());
+        let column = |name: &str| all.iter().find(|column| column.name == name).cloned();
+        let found = column(name).map(|column| (column, UnitChange::NONE)).or_else(|| {
             let (own, change) = convert(name, names())?;
-            Some((*all.iter().find(|column| column.output.name == own)?, change))
+            Some((column(own)?, change))
         });
         found.ok_or_else(|| {
             if ManufacturerRow::is_text(name) {
@@ -290,18 +315,18 @@ impl NutFilter {
         Ok(Self { order: Some((column, descending)), ..self })
     }
 
-    /// Returns the columns that occur in the conditions or in the sort order.
-    fn columns(&self) -> impl Iterator<Item = ListColumn> {
-        let conditions = self.of_nut.iter().chain(&self.of_sheet).map(|condition| condition.column);
-        conditions.chain(self.order.map(|(column, _)| column))
+    /// Returns the indices of the columns that occur in the conditions or in the sort order.
+    fn named_columns(&self) -> Vec<usize> {
+        let conditions = self.of_nut.iter().chain(&self.of_sheet);
+        let of_conditions = conditions.map(|condition| condition.column.place);
+        of_conditions.chain(self.order.as_ref().map(|(column, _)| column.place)).collect()
     }
 
     /// Returns the rows of a manufacturer's table that meet the conditions. Rows that pass a
     /// requirement come first.
     pub fn choose_rows(&self, rows: Vec<ManufacturerRow>) -> NutList {
         let places = || 0..u32::try_from(rows.len()).unwrap_or(u32::MAX);
-        let number =
-            |place: u32, column: &ListColumn| rows[place as usize].numbers[column.place].value;
+        let number = |place: u32, column: &ListColumn| rows[place as usize].number_at(column.place);
         let meets = |place: &u32| {
             self.of_nut.iter().all(|condition| {
                 number(*place, &condition.column)
@@ -345,7 +370,7 @@ impl NutFilter {
             all: rows.len(),
             within,
             chosen,
-            named: self.columns().map(|column| column.place).collect(),
+            named: self.named_columns(),
             reasons: why,
             warnings: Vec::new(),
             rows: Rows::Table(rows),
@@ -416,7 +441,7 @@ impl NutFilter {
             chosen,
             reasons,
             warnings,
-            named: self.columns().map(|column| column.place).collect(),
+            named: self.named_columns(),
             rows: Rows::Sizes { catalog, sheets },
         }
     }
@@ -599,8 +624,7 @@ impl NutList {
     pub fn heads(&self) -> Vec<(String, &'static str)> {
         match &self.rows {
             Rows::Sizes { .. } => {
-                let head =
-                    |column: &ListColumn| (column.output.name.to_owned(), column.output.unit);
+                let head = |column: &ListColumn| (column.name.clone().into_owned(), column.unit);
                 self.columns.iter().map(head).collect()
             }
             Rows::Table(_) => {
@@ -674,7 +698,7 @@ impl NutList {
     fn bands_of(&self, count: usize, columns: &[ShownColumn]) -> Vec<Vec<Option<Band>>> {
         let heads = self.heads();
         let band = |row: &ManufacturerRow, column: &ShownColumn| {
-            let Band { low, high } = row.band(&heads[column.place].0)?;
+            let Band { low, high } = row.band_of_column(&heads[column.place].0)?;
             let [low, high] = [low, high].map(|end| column.unit.value(end));
             Some(Band { low, high })
         };
@@ -711,8 +735,8 @@ impl NutList {
     fn answer_of_sizes(&self, count: usize) -> Answer {
         let values = self.values(0..count);
         let head = |column: &ListColumn| {
-            let Output { name, unit, .. } = *column.output;
-            Column { unit, ..Column::new(name, self.is_shown(column).then_some(name)) }
+            let head = self.is_shown(column).then(|| column.name.clone());
+            Column { name: column.name.clone(), unit: column.unit, head }
         };
         let row = |row: usize| values.iter().map(|column| column.json(row)).collect();
         let table = Table {

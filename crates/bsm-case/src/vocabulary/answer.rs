@@ -92,7 +92,7 @@ pub struct Table {
 #[derive(Debug, Clone)]
 pub struct Column {
     /// Name of the column in JSON. A column with an empty name is shown only on the screen.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Unit of the column as text.
     pub unit: &'static str,
     /// Heading on the screen; `None` for a column that appears only in JSON.
@@ -279,7 +279,7 @@ impl Table {
             let cells = self.columns.iter().zip(row).skip(usize::from(self.keyed));
             let cells = cells.filter(|(column, _)| !column.name.is_empty());
             cells
-                .map(|(column, cell)| (column.name.to_owned(), cell.clone()))
+                .map(|(column, cell)| (column.name.clone().into_owned(), cell.clone()))
                 .collect::<Map<_, _>>()
                 .into()
         };

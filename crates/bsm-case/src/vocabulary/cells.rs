@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use crate::vocabulary::column_values::ColumnValues;
 use crate::vocabulary::lines::{Lines, OtherSeparator, TextError, check_width, split};
 use crate::vocabulary::names::GivenNames;
 use crate::vocabulary::units::UnitChange;
@@ -76,22 +77,29 @@ impl Cells {
         self.heads.iter().map(read).collect()
     }
 
-    /// Returns the columns whose name satisfies `wanted`. Each column is returned with all its cells.
-    /// Numbers are written with a decimal point.
+    /// Returns the columns whose name satisfies `wanted`, with all their cells. A column is numeric
+    /// if none of its cells contains text that is not a number.
     ///
     /// * `wanted`: function that decides whether a column is returned. Its arguments are the name
     ///   of the column, and whether at least one cell contains text that is not a number.
-    pub(crate) fn kept(&self, wanted: impl Fn(&str, bool) -> bool) -> Vec<(String, Vec<String>)> {
-        let is_text = |cell: &String| !cell.is_empty() && self.number(cell).is_err();
-        let is_kept = |place: &usize| {
-            wanted(&self.heads[*place], self.rows.iter().any(|row| is_text(&row[*place])))
+    pub(crate) fn kept(&self, wanted: impl Fn(&str, bool) -> bool) -> Vec<(String, ColumnValues)> {
+        let column = |place: usize| {
+            let cells = || self.rows.iter().map(|row| row[place].as_str());
+            let number = |cell: &str| match cell {
+                "" => Some(f64::NAN),
+                cell => self.number(cell).ok(),
+            };
+            match cells().map(number).collect() {
+                Some(numbers) => ColumnValues::Numbers(numbers),
+                None => ColumnValues::Texts(
+                    cells().map(|cell| (!cell.is_empty()).then(|| cell.to_owned())).collect(),
+                ),
+            }
         };
-        let written = |cell: &String| {
-            self.number(cell).map_or_else(|_| cell.clone(), |number| number.to_string())
-        };
-        let cells = |place: usize| self.rows.iter().map(|row| written(&row[place])).collect();
-        let places = (0..self.heads.len()).filter(is_kept);
-        places.map(|place| (self.heads[place].clone(), cells(place))).collect()
+        let columns = self.heads.iter().enumerate().map(|(place, head)| (head, column(place)));
+        let kept =
+            columns.filter(|(head, values)| wanted(head, matches!(values, ColumnValues::Texts(_))));
+        kept.map(|(head, values)| (head.clone(), values)).collect()
     }
 
     /// Calls a function once per row with the cells of the row that are neither empty nor in an

@@ -296,7 +296,7 @@ impl Column {
     /// * `name`: name in JSON; empty for a column that is only shown on the screen.
     /// * `head`: heading on the screen; `None` for a column that appears only in JSON.
     pub(crate) fn new(name: &'static str, head: Option<&'static str>) -> Self {
-        Self { name, unit: "", head: head.map(Cow::from) }
+        Self { name: name.into(), unit: "", head: head.map(Cow::from) }
     }
 }
 

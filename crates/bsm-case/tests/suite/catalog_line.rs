@@ -389,7 +389,9 @@ given,15,10,3.175,3,12.32,9600,19300";
     );
     assert_eq!(row("misprint").groove.as_deref(), Some("none"));
     assert_eq!((&row("given").groove, &row("given").contradiction), (&None, &None));
-    assert!(row("line").value("our_stiffness_N_um").is_some_and(|stiffness| stiffness > 300.0));
+    assert!(
+        row("line").value(output!(our_stiffness_N_um)).is_some_and(|stiffness| stiffness > 300.0)
+    );
     let of = |name: &str| row(name).contradiction.clone().unwrap_or_default();
     assert!(
         of("misprint").contains("10117") && of("misprint").contains("nearest groove"),
@@ -417,7 +419,7 @@ SFU02505,25,5,3.175,4,1724,4904";
     let verdict = |name: &str| judged.iter().find(|row| row.name == name).expect("a row").verdict;
     assert_eq!((verdict("other"), verdict("line")), (Some(Verdict::Fails), Some(Verdict::Passes)));
     let stiffness = judged.iter().find(|row| row.name == "line").expect("a row");
-    assert!(stiffness.value("axis_stiffness_N_um").is_some());
+    assert!(stiffness.value(output!(axis_stiffness_N_um)).is_some());
 }
 
 /// On the axis sheet for a requirement, heat, torque and stiffness of a nut have intervals. Life
@@ -434,16 +436,22 @@ given,15,10,3.175,3,12.32,9600,19300";
     let requirement = RequirementFile::from_json(requirement, &[], lists).expect("a requirement");
     let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
     let row = |name: &str| rows.iter().find(|row| row.name == name).expect("a row");
-    let dependent =
-        ["our_stiffness_N_um", "axis_stiffness_N_um", "peak_motor_torque_Nm", "mean_heat_W"];
+    let dependent = [
+        output!(our_stiffness_N_um),
+        output!(axis_stiffness_N_um),
+        output!(peak_motor_torque_Nm),
+        output!(mean_heat_W),
+    ];
     for name in dependent {
         let (value, band) = (row("line").value(name), row("line").band(name));
         let (value, band) = (value.expect("a number"), band.expect("an interval"));
-        assert!(band.low < value && value < band.high, "{name}: {value} {band:?}");
-        assert_eq!(row("given").band(name), None, "{name}");
+        assert!(band.low < value && value < band.high, "{name:?}: {value} {band:?}");
+        assert_eq!(row("given").band(name), None, "{name:?}");
     }
-    for name in ["cycle_life_h", "static_safety_factor", "critical_speed_ratio"] {
-        assert_eq!(row("line").band(name), None, "{name}");
+    for name in
+        [output!(cycle_life_h), output!(static_safety_factor), output!(critical_speed_ratio)]
+    {
+        assert_eq!(row("line").band(name), None, "{name:?}");
     }
     let listed: Vec<_> = rows.iter().collect();
     let columns = ManufacturerRow::table(&listed);
@@ -451,7 +459,7 @@ given,15,10,3.175,3,12.32,9600,19300";
     let [value, low, high] = ["mean_heat_W", "mean_heat_low_W", "mean_heat_high_W"].map(place);
     assert_eq!([low, high], [value + 1, value + 2]);
     let at = rows.iter().position(|row| row.name == "line").expect("a row");
-    let band = row("line").band("mean_heat_W").expect("an interval");
+    let band = row("line").band(output!(mean_heat_W)).expect("an interval");
     let numbers = |column: usize| match &columns[column].2 {
         ColumnValues::Numbers(values) => values.clone(),
         ColumnValues::Texts(_) => panic!("a column of numbers"),

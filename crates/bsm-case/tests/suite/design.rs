@@ -501,7 +501,7 @@ fn list_of_sizes_is_sorted_by_the_mass_of_nut_and_screw() {
     let list = filter.choose(catalog, Some(&requirement.expect("a requirement")));
     let values = list.values(0..list.chosen.len());
     let of = |name: &str| {
-        let place = list.columns().iter().position(|column| column.output.name == name);
+        let place = list.columns().iter().position(|column| column.name == name);
         match &values[place.expect("a column")] {
             ColumnValues::Numbers(values) => values.clone(),
             ColumnValues::Texts(_) => panic!("{name} is text"),

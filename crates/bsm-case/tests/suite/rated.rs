@@ -244,7 +244,7 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     assert_eq!(rows.iter().map(|row| &*row.name).collect::<Vec<_>>(), ["small", "large"]);
     let small = AxisReport::of(&rows[0].case, &Settings::default()).expect("a sheet");
     for name in ["cycle_life_h", "screw_mass_kg", "buckling_safety"] {
-        assert_eq!(rows[0].value(name), small.number(named(name)), "{name}");
+        assert_eq!(rows[0].value(named(name)), small.number(named(name)), "{name}");
     }
     assert_relative_eq!(number(&small, "shaft_diameter_mm"), 34.0, max_relative = 1e-12);
     // The rows are sorted by the mass of screw and nut together. The screw and nut masses are about
@@ -253,11 +253,13 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     heavy[0].case.nut_mass_kg = Some(30.0);
     heavy[1].case.nut_mass_kg = Some(2.0);
     let rows = ManufacturerRow::all(&heavy, Some(&requirement)).expect("sheets");
-    let masses: Vec<_> = rows.iter().map(|row| (&*row.name, row.value("nut_mass_kg"))).collect();
+    let masses: Vec<_> =
+        rows.iter().map(|row| (&*row.name, row.value(output!(nut_mass_kg)))).collect();
     assert_eq!(masses, [("large", Some(2.0)), ("small", Some(30.0))]);
     for row in &rows {
-        let [nut, screw, both] = ["nut_mass_kg", "screw_mass_kg", "mass_of_nut_and_screw_kg"]
-            .map(|name| row.value(name).expect("a mass"));
+        let [nut, screw, both] =
+            [output!(nut_mass_kg), output!(screw_mass_kg), output!(mass_of_nut_and_screw_kg)]
+                .map(|name| row.value(name).expect("a mass"));
         assert_relative_eq!(nut + screw, both, max_relative = 1e-12);
     }
 }
@@ -306,9 +308,10 @@ fn axis_stiffness_includes_the_nut_stiffness_from_a_manufacturer_table() {
         let rows = ManufacturerRow::all(&nuts.expect("a row"), Some(&requirement));
         rows.expect("a sheet").remove(0)
     };
-    let stiffness = |row: &ManufacturerRow| row.value("axis_stiffness_N_um").expect("a number");
+    let stiffness =
+        |row: &ManufacturerRow| row.value(output!(axis_stiffness_N_um)).expect("a number");
     let stated = row(",stiffness_N_um", ",490");
-    assert_eq!(stated.value("stiffness_N_um"), Some(490.0));
+    assert_eq!(stated.value(output!(stiffness_N_um)), Some(490.0));
     let sheet = AxisReport::of(&stated.case, &Settings::default()).expect("a sheet");
     let of_nut = 0.8 * 490.0 * (2000.0_f64 / (0.3 * 28969.0)).cbrt();
     let name = "nut_stiffness_at_largest_load_N_um";
@@ -319,15 +322,16 @@ fn axis_stiffness_includes_the_nut_stiffness_from_a_manufacturer_table() {
         max_relative = 1e-12
     );
     // The stated stiffness does not depend on the estimated groove.
-    assert_eq!(stated.band("axis_stiffness_N_um"), None);
+    assert_eq!(stated.band(output!(axis_stiffness_N_um)), None);
     let estimated = row("", "");
     assert!(
-        stiffness(&estimated) > stiffness(&stated) && estimated.value("stiffness_N_um").is_none()
+        stiffness(&estimated) > stiffness(&stated)
+            && estimated.value(output!(stiffness_N_um)).is_none()
     );
     // The inputs `rated_rigidity_N_um` and `rated_rigidity_at` are equivalent to the column
     // `stiffness_N_um`.
     let by_input = row(",rated_rigidity_N_um,rated_rigidity_at", ",490,0.3 Ca");
-    assert_eq!(by_input.value("stiffness_N_um"), Some(490.0));
+    assert_eq!(by_input.value(output!(stiffness_N_um)), Some(490.0));
     assert_eq!(stiffness(&by_input).to_bits(), stiffness(&stated).to_bits());
 }
 

@@ -74,7 +74,7 @@ fn table_of(title: &str, table: &Table, names: [&str; 2]) -> Value {
                     None => other.to_string(),
                 },
             };
-            let is_better = better.is_some_and(|place| row[place] == about.name);
+            let is_better = better.is_some_and(|place| row[place] == *about.name);
             json!({
                 "text": text,
                 "is_number": row[*column].is_number(),
