@@ -302,7 +302,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let (points, rows) = (f64::from(axis.pow(2)), f64::from(cube.pow(3)));
     let bytes = parquet_bytes(&folder.join(format!("rigid-{axis}")))? / points;
     let memory = |took: &RunTime| {
-        took.memory.map_or_else(String::new, |bytes| format!(", {} of memory", megabytes(bytes)))
+        took.memory.map_or_else(String::new, |bytes| format!(" and {} of memory", megabytes(bytes)))
     };
     let fewer = small.memory.map_or_else(String::new, |bytes| {
         format!(" ({} for a hundredth of the points)", megabytes(bytes))
