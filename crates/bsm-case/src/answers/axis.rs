@@ -302,9 +302,24 @@ const OF_SPEED: [OutputName; 42] = [
     output!(end_speed_rpm),
 ];
 
+/// Results that are omitted if the speed is not given and the friction is calculated from a
+/// lubricant.
+const OF_SPEED_WITH_LUBRICANT: [OutputName; 8] = [
+    output!(preload_torque_Nm),
+    output!(preload_torque_reverse_Nm),
+    output!(preload_torque_factor),
+    output!(running_preload_torque_Nm),
+    output!(running_preload_torque_reverse_Nm),
+    output!(running_preload_torque_factor),
+    output!(running_preload_torque_over_rule),
+    output!(running_preload_torque_factor_without_play),
+];
+
 /// Returns true unless a result depends on the speed and the speed is not given.
 fn is_known(case: &Case, quantity: &Quantity) -> bool {
-    case.has_speed() || !OF_SPEED.iter().any(|output| output.name() == quantity.name)
+    let is_in = |outputs: &[OutputName]| outputs.iter().any(|o| o.name() == quantity.name);
+    let is_lubricated = case.lubricant_temperature_C.is_some();
+    case.has_speed() || !is_in(&OF_SPEED) && !(is_lubricated && is_in(&OF_SPEED_WITH_LUBRICANT))
 }
 
 quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);

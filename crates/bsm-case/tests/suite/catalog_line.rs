@@ -5,9 +5,10 @@ use std::path::Path;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Answer, AxisReport, Case, CaseError, ColumnValues, DRAWS, FEW_DRAWS, Fit, ManufacturerNut,
-    ManufacturerRow, NutProblem, NutReport, Record, RequirementFile, Samples, Settings, Supplement,
-    TableFormat, Verdict, comparison, output, ratings, with_groove_intervals,
+    Answer, AxisReport, Case, CaseError, ColumnValues, DRAWS, FEW_DRAWS, Fit, ListColumn,
+    ManufacturerNut, ManufacturerRow, NutFilter, NutProblem, NutReport, Record, RequirementFile,
+    Samples, Settings, Supplement, TableFormat, Verdict, comparison, output, ratings,
+    with_groove_intervals,
 };
 use bsm_dyn::ModelWorkspace;
 use serde_json::json;
@@ -469,6 +470,38 @@ given,15,10,3.175,3,12.32,9600,19300";
     assert!(numbers(low)[1 - at].is_nan());
     let json = ManufacturerRow::answer(&listed, rows.len(), |_| true).to_json();
     assert_eq!(json[at]["intervals"]["mean_heat_W"], serde_json::json!([band.low, band.high]));
+}
+
+/// Columns that the program does not know, such as a price or a supplier, are kept. A column that
+/// contains only numbers can also be sorted by and compared with a limit.
+#[test]
+fn offers_are_sorted_and_filtered_by_their_price() {
+    let table = b"nut;nominal_diameter_mm;lead_mm;rated_dynamic_load_N;rated_static_load_N;price_EUR;supplier
+A;32;10;33400;62100;245,50;Alpha
+B;40;10;48000;107000;198,00;Beta
+C;25;10;22000;42000;;Gamma";
+    let format = TableFormat { delimiter: ';', decimal: ',', ..TableFormat::default() };
+    let nuts = ManufacturerNut::from_csv(table, &format).expect("rows");
+    let rows = ManufacturerRow::all(&nuts, None).expect("ratings");
+    let columns = ListColumn::of_rows(&rows);
+    let names = |filter: &NutFilter| -> Vec<String> {
+        let list = filter.choose_rows(rows.clone());
+        list.chosen.iter().map(|place| rows[*place as usize].name.clone()).collect()
+    };
+    let sorted = |descending| {
+        NutFilter::default().sorted_by("price_EUR", descending, &columns).expect("a column")
+    };
+    // A nut without a price comes last in both directions.
+    assert_eq!(names(&sorted(false)), ["B", "A", "C"]);
+    assert_eq!(names(&sorted(true)), ["A", "B", "C"]);
+    let cheap = NutFilter::new(&["price_EUR<=200".to_owned()], &columns, false);
+    assert_eq!(names(&cheap.expect("a condition")), ["B"]);
+    let by_text = NutFilter::default().sorted_by("supplier", false, &columns);
+    assert!(matches!(by_text, Err(CaseError::Unknown { .. })), "{by_text:?}");
+    let listed: Vec<_> = rows.iter().collect();
+    let json = ManufacturerRow::answer(&listed, rows.len(), |_| true).to_json();
+    let first = listed.iter().position(|row| row.name == "A").expect("a row");
+    assert_eq!(json[first]["texts"], json!({"price_EUR": 245.5, "supplier": "Alpha"}));
 }
 
 /// Each model has its own intervals. The calculation time has no interval.

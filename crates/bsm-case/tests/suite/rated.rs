@@ -730,6 +730,21 @@ fn torque_is_calculated_without_a_speed() {
     assert!(!tight.answer.rules.iter().any(|rule| rule.title == "motor speed" && rule.passes()));
 }
 
+/// The drag of a preloaded nut does not depend on the speed if the friction coefficient is given, but
+/// does depend on it if the friction is calculated from a lubricant.
+#[test]
+fn preload_torque_of_a_lubricated_nut_is_missing_without_a_speed() {
+    let nut = r#"{"nominal_diameter_mm": 32, "lead_mm": 10, "rated_dynamic_load_N": 33400,
+        "rated_static_load_N": 62100, "preload_N": 1500, "axial_load_N": 2000, "stroke_mm": 500}"#;
+    let torque = |settings: &[&str]| {
+        sheet(nut, settings).expect("a sheet").number(output!(preload_torque_Nm))
+    };
+    let oil = ["iso_vg=100", "lubricant_temperature_C=40"];
+    assert!(torque(&["friction_coefficient=0.06"]).is_some());
+    assert_eq!(torque(&oil), None);
+    assert!(torque(&[oil[0], oil[1], "screw_speed_rpm=100"]).is_some());
+}
+
 #[test]
 fn results_of_an_unknown_screw_are_missing_instead_of_nan() {
     let whirl = r#"{"shaft_diameter_mm": 25.4, "unsupported_length_mm": 2540,
