@@ -20,6 +20,7 @@ use self::heat::Heating;
 pub use self::order::Order;
 pub(crate) use self::rules::rule_titles;
 use self::state::AxisState;
+pub(crate) use self::sufficiency::missing_for_rule;
 pub(crate) use self::torques::quick_efficiency;
 use self::torques::{PhaseTorques, Preload, Torques};
 pub use self::torques::{ScrewTorque, torque_parts};

@@ -10,9 +10,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::answers::axis::rule_titles;
+use crate::answers::axis::{missing_for_rule, rule_titles};
 use crate::answers::groove::pair;
 use crate::answers::schema::RecordJson;
+use crate::case::rated_nut;
 use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::members::{Data, Maybe, Word, answer, one_member, with_unit};
 use crate::vocabulary::units::{UnitChange, convert};
@@ -196,6 +197,8 @@ pub struct FitReport {
     pub reachable: Option<(f64, f64)>,
     /// Fraction of the search range in which the model has solutions.
     pub solved: f64,
+    /// Notes on the source of the rule and on the inputs that the search lacks.
+    pub notes: Vec<String>,
 }
 
 /// Returns the search range of an input. If none is given, the range is 1e-4 to 0.5 for a friction
@@ -398,7 +401,7 @@ impl Fit {
             Target::Limit { rule } => {
                 let report = AxisReport::without_band(case, settings)?;
                 let own = report.answer.rules.iter().find(|own| own.title == *rule);
-                Ok(own.and_then(|own| Some(own.margin()? - 1.0)))
+                Ok(own.and_then(|own| Some(own.smallest_margin()? - 1.0)))
             }
         }
     }
@@ -413,6 +416,7 @@ impl Fit {
     /// Returns [`CaseError`] if the output cannot be calculated at any value of the input.
     pub fn run(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut report = self.search(case, settings)?;
+        report.notes = self.notes(case, settings, &report)?;
         for fitted in &mut report.found {
             let follow = |possible: &Case| {
                 let value = self.follow(possible, settings, fitted)?;
@@ -429,6 +433,55 @@ impl Fit {
                 values.into_iter().flatten().filter_map(|(_, record)| record).collect();
         }
         Ok(report)
+    }
+
+    /// Returns notes on the source of the rule and on the inputs that the search lacks.
+    fn notes(
+        &self,
+        case: &Case,
+        settings: &Settings,
+        report: &FitReport,
+    ) -> Result<Vec<String>, CaseError> {
+        let input = self.input.name();
+        if report.reachable.is_none() {
+            let missing = self.missing_inputs(&self.at(case, self.range.1)?);
+            let note = || format!("Missing inputs: {}.", missing.join(", "));
+            return Ok((!missing.is_empty()).then(note).into_iter().collect());
+        }
+        let (Target::Limit { rule }, Some(at)) = (&self.target, report.found.first()) else {
+            return Ok(Vec::new());
+        };
+        let sheet = AxisReport::without_band(&self.at(case, at.value)?, settings)?;
+        let Some(rule) = sheet.answer.rules.iter().find(|own| own.title == *rule) else {
+            return Ok(Vec::new());
+        };
+        let mut notes = vec![format!("At {input} = {:.6}: {}.", at.value, rule.source)];
+        if rule.margin_without_default.is_some() {
+            notes.push(
+                "One end of the screw is free, so a table may not guide the load. The rule therefore counts as met only where it is \
+                 also met with the end conditions of the input support. If a guided table clamps the nut, give buckling_support."
+                    .to_owned(),
+            );
+        }
+        Ok(notes)
+    }
+
+    /// Returns the names of the inputs that the output or the rule needs and that the case lacks.
+    fn missing_inputs(&self, case: &Case) -> Vec<String> {
+        match &self.target {
+            Target::Limit { rule } => missing_for_rule(case, rule),
+            Target::Measured { output, .. } => {
+                let given = case.given().union(rated_nut::given(case));
+                let own = |quantity: &&Quantity| {
+                    quantity.columns.iter().any(|column| column.name == output.name)
+                };
+                let kind = output.analysis();
+                let mut missing = kind.map_or_else(Vec::new, |kind| kind.missing(case, given));
+                let quantity = kind.and_then(|kind| kind.quantities().iter().find(own));
+                missing.extend(quantity.map(|own| own.missing(given)).unwrap_or_default());
+                missing
+            }
+        }
     }
 
     /// Returns the solution of the model for a value of the input, or `None` if the condition is
@@ -542,6 +595,7 @@ impl Fit {
             ranges_within_limit,
             reachable: run.values.map(|(low, high)| (low + offset, high + offset)),
             solved: run.share,
+            notes: Vec::new(),
         })
     }
 
@@ -606,9 +660,7 @@ impl Fit {
         let (low, high) = self.range;
         match (&self.target, &report.found[..], report.reachable) {
             (_, _, None) => {
-                format!(
-                    "{what} cannot be calculated with {input} from {low} to {high}: an input that {what} requires is missing, or there is no solution in this range"
-                )
+                format!("{what} cannot be calculated with {input} from {low} to {high}")
             }
             (Target::Limit { rule }, ..) => {
                 let parts: Vec<_> = report
@@ -682,7 +734,7 @@ impl Fit {
             "The intervals account for the uncertainty of the estimated groove, but not for the error of the measured value.".to_owned()
         });
         let notes = case.groove_note().into_iter().chain(meaning).chain(self.about_rule());
-        let notes = notes.chain(missing_values).collect();
+        let notes = notes.chain(missing_values).chain(report.notes.iter().cloned()).collect();
         let mut answer = Answer { notes, warnings, fails, ..Answer::default() };
         let (measured, limit) = match &self.target {
             Target::Measured { output, value } => (Some(OutputJson(output.name, *value)), None),

@@ -197,6 +197,13 @@ impl Criterion {
         self.bounds().margin(self.value)
     }
 
+    /// Returns the margin of the rule, or the margin without a default assumption that the user has
+    /// not confirmed if this margin is smaller.
+    pub(crate) fn smallest_margin(&self) -> Option<f64> {
+        let margin = self.margin()?;
+        Some(self.margin_without_default.map_or(margin, |other| margin.min(other)))
+    }
+
     fn sign(&self) -> &'static str {
         if self.at_least { ">=" } else { "<=" }
     }

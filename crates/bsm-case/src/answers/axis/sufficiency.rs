@@ -19,7 +19,8 @@ enum Need {
 
 use Need::{Core, DynamicRating, Lead, Length, Load, PitchCircle, Speed, StaticRating};
 
-/// Label, output and required inputs of each result.
+/// Label, output and required inputs of each result. The label of a result that a rule limits begins
+/// with the title of the rule.
 const RESULTS: [(&str, OutputName, &[Need]); 7] = [
     ("life", output!(cycle_life_h), &[DynamicRating, Load, Speed]),
     ("static safety", output!(static_safety_factor), &[StaticRating, Load]),
@@ -104,6 +105,17 @@ impl AxisState<'_> {
         };
         RESULTS.iter().filter_map(line).collect()
     }
+}
+
+/// Returns the required inputs of a rule that the case lacks.
+///
+/// * `rule`: title of the rule.
+pub(crate) fn missing_for_rule(case: &Case, rule: &str) -> Vec<String> {
+    let has_groove = !case.lacks_groove() && !case.has_estimated_groove();
+    let needs = RESULTS.iter().filter(|(label, ..)| label.starts_with(rule));
+    let missing =
+        needs.flat_map(|(.., needs)| *needs).filter(|need| !need.is_met(case, has_groove));
+    missing.map(|need| need.inputs().to_owned()).collect()
 }
 
 /// Checks that at least one result can be calculated.
