@@ -197,7 +197,7 @@ impl LubricatedBall {
         let change =
             Bracket::first_sign_change(begin, places, |kelvin| Ok(surplus_cooling(kelvin)?.0))?;
         let Some(bracket) = change else {
-            let evidence = Evidence::Traced { resolution: TEMPERATURE_STEP };
+            let evidence = Evidence::Scanned { step: TEMPERATURE_STEP };
             let reason = Reason::LubricantRunsAway { max_temperature: MAX_TEMPERATURE };
             return Err(SolveFailure::no_solution(evidence, reason));
         };
