@@ -236,7 +236,7 @@ impl LubricatedBall {
                 let creep = RacewayControl::CREEP;
                 let contacts =
                     contacts.with_friction(ehl.friction_scale(&contacts, &loaded, &to_nut, creep));
-                let rules = lubricated.both(friction.accuracy());
+                let rules = lubricated.rules.oil_and_dry(friction.accuracy());
                 let (unit, losses) = friction.losses(&ehl, &contacts, (&loaded, &to_nut), rules);
                 let (_, torque) = screw.rolling_torques(contact_power_loss(&losses));
                 let steady = LubricatedState { loaded, to_nut, losses, torque };
