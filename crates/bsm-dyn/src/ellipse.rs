@@ -28,7 +28,7 @@ pub(crate) use self::oil::OilLaw;
 pub(crate) use self::placement::{FrozenRule, Placement};
 pub use self::power::{lubricated_powers, power_of_many};
 pub use self::quadrature::Quadrature;
-pub(crate) use self::quadrature::Rules;
+pub(crate) use self::quadrature::{RulePair, Rules};
 pub use self::slip::EllipseSlip;
 pub(crate) use self::slip::{slip_scale, surface_drop};
 use crate::contact::{Coulomb, FrictionLaw, MixedFriction, Wrench};

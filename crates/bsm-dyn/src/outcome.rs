@@ -238,7 +238,8 @@ pub enum Reason {
         status: Termination,
         /// Scaled residual at the end of the iteration.
         residual: f64,
-        /// Name of the equation with the largest residual.
+        /// Name of the equation with the largest residual. It is empty if the equations could not
+        /// be evaluated at the starting point.
         worst_equation: String,
     },
 }
@@ -333,6 +334,9 @@ impl fmt::Display for Reason {
                 f,
                 "the Jacobian is singular at the solution, so the derivatives with respect to the inputs do not exist"
             ),
+            Self::Newton { status, worst_equation, .. } if worst_equation.is_empty() => {
+                write!(f, "Newton's method failed: {status}")
+            }
             Self::Newton { status, residual, worst_equation } => write!(
                 f,
                 "Newton's method failed: {status}; the residual is {residual:.3e}, and its largest component belongs to \
@@ -350,7 +354,7 @@ impl From<Report> for Reason {
         Self::Newton {
             status: report.status,
             residual: report.residual,
-            worst_equation: report.worst_equation_name,
+            worst_equation: report.worst.map_or_else(String::new, |worst| worst.name),
         }
     }
 }
@@ -370,10 +374,17 @@ pub enum Evidence {
         /// Longest step length along the curve, in scaled units.
         resolution: f64,
     },
+    /// All lubricant temperatures up to a limit were searched in equal steps. The search may have
+    /// missed two solutions within one step.
+    Scanned {
+        /// Step of the lubricant temperature \[K\].
+        step: f64,
+    },
 }
 
 impl Evidence {
-    /// Names that are used in files, starting with the strongest evidence.
+    /// Names that are used in files, starting with the strongest evidence. The name `traced` also
+    /// covers [`Scanned`](Self::Scanned).
     pub const NAMES: [&str; 3] = ["proof", "bound", "traced"];
 
     /// Returns the index of this evidence in [`Self::NAMES`]; 0 is the strongest evidence.
@@ -381,7 +392,7 @@ impl Evidence {
         match self {
             Self::Proof => 0,
             Self::Bound => 1,
-            Self::Traced { .. } => 2,
+            Self::Traced { .. } | Self::Scanned { .. } => 2,
         }
     }
 
@@ -395,12 +406,15 @@ impl fmt::Display for Evidence {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Proof => write!(f, "a proof"),
-            Self::Bound => write!(f, "an error bound of the first-order solution"),
+            Self::Bound => write!(f, "limits that were determined in tests at many points"),
             Self::Traced { resolution } => {
                 write!(
                     f,
                     "the solution curve was followed from small inertia to its end in steps of at most {resolution:e}"
                 )
+            }
+            Self::Scanned { step } => {
+                write!(f, "a search of the lubricant temperature in steps of {step} K")
             }
         }
     }

@@ -173,11 +173,11 @@ impl WithSimd for RollingRows<'_, '_, '_> {
                 out: &mut out,
             });
             let friction = given.get(InputKey::friction_coefficient);
-            let back = units.speed.lt(friction.constant(0.0));
+            let back = units.speed.below(0.0);
             let sliding = SlidingBall::of(&contacts.scaled, back.select(-friction, friction));
             let errors =
                 ModelErrors::of(&sliding, back, ball.efficiency, ball.skid, ball.cotangents);
-            let known = errors.onset_number.lt(friction.constant(f64::INFINITY));
+            let known = errors.onset_number.below(f64::INFINITY);
             let valid = simd.vectorize(ValidCall { given: &given, model: RacewayKernel::MODEL });
             let [mut found, mut unique] = [[false; MAX_BLOCK]; 2];
             (ball.found & known & valid).store(&mut found);

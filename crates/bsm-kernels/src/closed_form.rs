@@ -40,7 +40,7 @@ impl Kernel for ClosedFormKernel {
 #[inline(always)]
 pub(super) fn is_back_driving<S: Simd>(given: &LaneInputs<'_, S>) -> Mask<S> {
     let zero = Lane::splat(given.simd, 0.0);
-    given.drive().map_or(zero.mask(false), |drive| drive.relative_speed().lt(zero))
+    given.drive().map_or(zero.mask(false), |drive| drive.relative_speed().below(0.0))
 }
 
 /// Returns pitch circle radius, load and speed of the screw, or `None` if radius or load is

@@ -20,7 +20,7 @@ impl Kernel for ElasticKernel {
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
         let (units, contacts) = given.simd.vectorize(UnitsCall(given));
         let friction = given.get(InputKey::friction_coefficient);
-        let back = units.speed.lt(friction.constant(0.0));
+        let back = units.speed.below(0.0);
         let signed = back.select(-friction, friction);
         let skid = given.simd.vectorize(GrossSlipCall { contacts: &contacts, friction: signed });
         if !skid.is_first_root.any() {

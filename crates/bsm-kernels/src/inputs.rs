@@ -85,8 +85,7 @@ const MAX_PLAIN: f64 = 1e60;
 #[inline(always)]
 pub fn is_plain<F: Real>(value: F) -> F::Mask {
     let size = value.abs();
-    size.le(size.constant(0.0))
-        | (size.constant(MIN_PLAIN).le(size) & size.le(size.constant(MAX_PLAIN)))
+    size.at_most(0.0) | (size.at_least(MIN_PLAIN) & size.at_most(MAX_PLAIN))
 }
 
 /// Inputs of the points in one block.

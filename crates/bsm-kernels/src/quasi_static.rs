@@ -28,13 +28,13 @@ impl Kernel for QuasiStaticKernel {
             size_ratio: ball / given.get(InputKey::pitch_circle_diameter_mm),
             nut_turns: given
                 .drive()
-                .map_or(zero.mask(false), |drive| drive.screw_speed.abs().le(zero)),
+                .map_or(zero.mask(false), |drive| drive.screw_speed.abs().at_most(0.0)),
         };
         let (eta, ratio) = (contacts.efficiency(back), contacts.load_ratio());
 
         let ball = BallState::at_angle(given.get(InputKey::contact_angle_deg) * DEG);
-        let (found, lead) = ((eta, eta.le(zero)), (back, contacts.sines.tan_a()));
+        let (found, lead) = ((eta, eta.at_most(0.0)), (back, contacts.sines.tan_a()));
         out.store(&transmitted(ball, found, ratio, screw_size(given), lead));
-        ratio.gt(zero)
+        ratio.above(0.0)
     }
 }

@@ -191,8 +191,7 @@ fn losses<S: Simd>(
     (state, motion): (&RollingRoot<S>, &RollingMotion<S>),
 ) -> RacewayLosses<S> {
     let (nut, screw) = (ellipse(0, contacts, state, motion), ellipse(1, contacts, state, motion));
-    let zero = units.speed.constant(0.0);
-    let back = units.speed.lt(zero);
+    let back = units.speed.below(0.0);
     let lubricated = OilLane::of(given, (units, contacts), (state, motion), [&nut, &screw]);
     let (loss, friction, resolved) = if let Some(lubricated) = &lubricated {
         (lubricated.loss(), lubricated.friction_scale(), lubricated.resolved)
@@ -214,7 +213,7 @@ fn losses<S: Simd>(
         let of = (back, tan_lead, transmission.efficiency);
         film = Some(lubricated.state(units, given.get(InputKey::loaded_balls), of));
     }
-    let finite = torque.abs().lt(zero.constant(f64::INFINITY));
+    let finite = torque.abs().below(f64::INFINITY);
     RacewayLosses { transmission, friction, film, resolved: resolved & finite }
 }
 
@@ -229,8 +228,8 @@ fn regime<S: Simd>(
 ) -> [Lane<S>; 2] {
     let [skid, cross] = motion.skid_numbers(&contacts.scaled, friction, &state.sides);
     let onset = onset_number(skid, cross);
-    let (none, beyond) = (skid.constant(f64::NAN), skid.constant(f64::INFINITY));
-    out.set(SolutionOutput::skid_number, skid.lt(beyond).select(skid, none));
-    out.set(SolutionOutput::onset_number, onset.lt(beyond).select(onset, none));
+    let none = skid.constant(f64::NAN);
+    out.set(SolutionOutput::skid_number, skid.below(f64::INFINITY).select(skid, none));
+    out.set(SolutionOutput::onset_number, onset.below(f64::INFINITY).select(onset, none));
     [onset, cross]
 }

@@ -44,7 +44,7 @@ impl Kernel for RigidKernel {
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S> {
         let si = Units::of(given);
         let (friction, zero) = (given.get(InputKey::friction_coefficient), si.speed.constant(0.0));
-        let signed = si.speed.lt(zero).select(-friction, friction);
+        let signed = si.speed.below(0.0).select(-friction, friction);
         let (radius, nut_speed) = (si.pitch / si.ball, si.nut_speed / si.speed);
         let ball = RigidBall::new(given.sines(), radius, si.mass, nut_speed, signed);
         let first = ball.first_order();

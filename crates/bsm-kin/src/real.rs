@@ -83,6 +83,34 @@ pub trait Real:
         other.lt(self)
     }
 
+    /// Returns a mask that is true for points where `self` is less than a constant, and false where
+    /// `self` is NaN.
+    #[inline(always)]
+    fn below(self, limit: f64) -> Self::Mask {
+        self.lt(self.constant(limit))
+    }
+
+    /// Returns a mask that is true for points where `self` is less than or equal to a constant, and
+    /// false where `self` is NaN.
+    #[inline(always)]
+    fn at_most(self, limit: f64) -> Self::Mask {
+        self.le(self.constant(limit))
+    }
+
+    /// Returns a mask that is true for points where `self` is greater than a constant, and false
+    /// where `self` is NaN.
+    #[inline(always)]
+    fn above(self, limit: f64) -> Self::Mask {
+        self.gt(self.constant(limit))
+    }
+
+    /// Returns a mask that is true for points where `self` is greater than or equal to a constant,
+    /// and false where `self` is NaN.
+    #[inline(always)]
+    fn at_least(self, limit: f64) -> Self::Mask {
+        self.constant(limit).le(self)
+    }
+
     /// Returns a mask with the same truth value for every point.
     #[inline(always)]
     fn mask(self, value: bool) -> Self::Mask {
@@ -101,7 +129,7 @@ pub trait Real:
     #[inline(always)]
     #[must_use]
     fn abs(self) -> Self {
-        Self::select(self.lt(self.constant(0.0)), -self, self)
+        Self::select(self.below(0.0), -self, self)
     }
 
     /// Returns the square.

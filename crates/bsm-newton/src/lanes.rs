@@ -77,15 +77,15 @@ impl LaneNewton {
             let LaneStep { mut step, length, is_defined } = equations.newton_step(&at.x);
             // λ = min(1, L/‖δx‖)                                              (N16)
             let ratio = one.constant(self.max_length) / length;
-            let lambda = F::select(ratio.lt(one), ratio, one);
+            let lambda = F::select(ratio.below(1.0), ratio, one);
             for k in 0..N {
                 step[k] = F::select(is_defined, step[k] * lambda, last[k] * -0.5);
                 at.x[k] = F::select(at.has_ended, at.x[k], at.x[k] + step[k]);
                 last[k] = F::select(is_defined, step[k], -step[k]);
             }
             at.steps = F::select(at.has_ended, at.steps, at.steps + 1.0);
-            let is_finite = length.lt(one.constant(f64::INFINITY));
-            let is_short = length.lt(one.constant(self.step_tol));
+            let is_finite = length.below(f64::INFINITY);
+            let is_short = length.below(self.step_tol);
             at.has_ended = at.has_ended | is_defined & (is_short | !is_finite);
         }
     }

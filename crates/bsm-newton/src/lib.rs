@@ -70,5 +70,5 @@ pub use options::{ARMIJO, Backtracking, Convergence, JacobianUpdate, Options, Pr
 pub use path::{
     CurveEquations, EventRoot, PathEnd, Seed, StepControl, Trace, path_direction, trace,
 };
-pub use report::{Report, Step, Termination};
+pub use report::{Report, Step, Termination, WorstEquation};
 pub use solve::{Outcome, Workspace, solve};

@@ -21,11 +21,11 @@ pub struct Options {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Convergence {
     /// Maximum scaled residual `$\lVert D_F F(x) \rVert_2$` of a solution (N1). Defaults to
-    /// `1e-10`.
+    /// [`RESIDUAL_TOL`](Self::RESIDUAL_TOL).
     pub residual_tol: f64,
     /// Scaled residual below which a solution is not refined further (N2). A solution with a larger
     /// residual is refined with full steps as long as each step at least halves the residual.
-    /// Defaults to `1e-10`, the default of `residual_tol`, so solutions are not refined.
+    /// Defaults to the default of `residual_tol`, so solutions are not refined.
     pub residual_goal: f64,
     /// Maximum number of Newton steps. Defaults to `50`.
     pub max_steps: usize,
@@ -33,7 +33,8 @@ pub struct Convergence {
 
 impl Default for Convergence {
     fn default() -> Self {
-        Self { residual_tol: 1e-10, residual_goal: 1e-10, max_steps: 50 }
+        let tol = Self::RESIDUAL_TOL;
+        Self { residual_tol: tol, residual_goal: tol, max_steps: 50 }
     }
 }
 
@@ -59,6 +60,9 @@ impl Progress {
 }
 
 impl Convergence {
+    /// Default of the maximum scaled residual of a solution (dimensionless, N1).
+    pub const RESIDUAL_TOL: f64 = 1e-10;
+
     /// Maximum ratio of the residual after a refining step to the residual before the step (N2).
     const MAX_REFINING_RATIO: f64 = 0.5;
 

@@ -295,7 +295,7 @@ where
         let scales = Scales { x: &sizes.map(f64::recip), f: &self.weights(foot) };
         let residual_goal = self.control.residual_goal;
         let convergence = Convergence {
-            residual_tol: Convergence::default().residual_tol.max(residual_goal),
+            residual_tol: Convergence::RESIDUAL_TOL.max(residual_goal),
             residual_goal,
             max_steps: MAX_CORRECTOR_STEPS,
         };

@@ -64,6 +64,15 @@ pub struct Step {
     pub lambda: f64,
 }
 
+/// The equation with the largest scaled residual.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WorstEquation {
+    /// Index of the equation, starting at zero.
+    pub index: usize,
+    /// Name of the equation, from [`Equations::equation`](crate::Equations::equation).
+    pub name: String,
+}
+
 /// Status, cost and steps of a Newton iteration.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "a report may state that the iteration did not converge"]
@@ -72,11 +81,9 @@ pub struct Report {
     pub status: Termination,
     /// Final scaled residual, `$\lVert D_F F(x) \rVert_2$`.
     pub residual: f64,
-    /// Index of the equation with the largest scaled residual.
-    pub worst_equation: usize,
-    /// Name of the equation with the largest scaled residual, from
-    /// [`Equations::equation`](crate::Equations::equation). It is empty if the iteration converged.
-    pub worst_equation_name: String,
+    /// Equation with the largest scaled residual at the last iterate. `None` if the iteration
+    /// converged, or if the equations could not be evaluated at the starting point.
+    pub worst: Option<WorstEquation>,
     /// Number of residual evaluations without the Jacobian.
     pub n_residual: usize,
     /// Number of Jacobian evaluations, with or without the residual.
@@ -92,8 +99,7 @@ impl Report {
         Self {
             status: Termination::BadScale,
             residual: f64::INFINITY,
-            worst_equation: 0,
-            worst_equation_name: String::new(),
+            worst: None,
             n_residual: 0,
             n_jacobian: 0,
             steps: Vec::with_capacity(options.convergence.max_steps),

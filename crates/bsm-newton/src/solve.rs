@@ -4,7 +4,7 @@ use std::array::from_fn;
 
 use crate::{
     Backtracking, Dense, Equations, EvalError, Options, Progress, Report, Scales, Singular, Step,
-    Termination,
+    Termination, WorstEquation,
 };
 
 /// Scaled size of a Newton step below which the iteration has stalled (N3) (dimensionless).
@@ -139,8 +139,9 @@ impl<const N: usize, E: Equations<N> + ?Sized> Outcome<N, E> {
 /// * `x`: initial guess on entry, and best iterate on return.
 /// * `scales`: reciprocals of the typical magnitudes of the unknowns and of the residuals.
 ///
-/// If the iteration does not converge, the [`Report`] states the reason. The only memory allocation
-/// is for the list of steps in the report, before the first step.
+/// If the iteration does not converge, the [`Report`] states the reason. The function allocates
+/// memory for the list of steps in the report before the first step, and for the name of the worst
+/// equation after an iteration that did not converge, but not during the iteration.
 ///
 /// Source: Dennis and Schnabel, *Numerical Methods for Unconstrained Optimization and Nonlinear
 /// Equations*, §6.3 and §6.5 (backtracking on the squared residual).
@@ -151,15 +152,17 @@ pub fn solve<const N: usize, E: Equations<N> + ?Sized>(
     options: &Options,
     work: &mut Workspace<N>,
 ) -> Outcome<N, E> {
-    let mut newton = Newton { equations, work, report: Report::new(options), slopes: None };
+    let report = Report::new(options);
+    let mut newton = Newton { equations, work, report, worst: None, slopes: None };
     let (status, last) = match newton.start(x, scales, options) {
         Ok(start) => newton.iterate(x, start, scales, options),
         Err(status) => (status, None),
     };
-    let Newton { mut report, slopes, .. } = newton;
+    let Newton { mut report, worst, slopes, .. } = newton;
     report.status = status;
     if !report.converged() {
-        report.worst_equation_name = equations.equation(report.worst_equation);
+        let named = |index| WorstEquation { index, name: equations.equation(index) };
+        report.worst = worst.map(named);
     }
     Outcome { report, last, slopes }
 }
@@ -169,6 +172,9 @@ struct Newton<'a, const N: usize, E: Equations<N> + ?Sized> {
     equations: &'a E,
     work: &'a mut Workspace<N>,
     report: Report,
+    /// Index of the equation with the largest scaled residual at the last iterate, `None` before
+    /// the first evaluation.
+    worst: Option<usize>,
     slopes: Option<E::Slopes>,
 }
 
@@ -181,9 +187,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
         options: &Options,
     ) -> Result<Evaluated<N, E>, Termination> {
         let is_bad = |d: &f64| !(*d > 0.0 && d.is_finite());
-        let bad = [scales.x, scales.f].into_iter().find_map(|d| d.iter().position(is_bad));
-        if let Some(index) = bad {
-            self.report.worst_equation = index;
+        if scales.x.iter().chain(scales.f).any(is_bad) {
             return Err(Termination::BadScale);
         }
         self.work.content = Content::Stale;
@@ -251,8 +255,8 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
 
     /// Stores the scaled norm of the residual in the report and returns it.
     fn record(&mut self, residual: &[f64; N]) -> f64 {
-        let (norm, worst_equation) = scaled_norm(residual, &self.work.d_f);
-        (self.report.residual, self.report.worst_equation) = (norm, worst_equation);
+        let (norm, worst) = scaled_norm(residual, &self.work.d_f);
+        (self.report.residual, self.worst) = (norm, Some(worst));
         norm
     }
 

@@ -725,6 +725,6 @@ pub(crate) fn message(reason: &Reason) -> String {
             "{}: scaled residual {residual:.1e}, largest in the {worst_equation}",
             status.describe()
         ),
-        other => format!("{other:?}"),
+        other => other.to_string(),
     }
 }

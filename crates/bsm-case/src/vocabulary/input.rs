@@ -37,22 +37,16 @@ impl Rule {
     /// Returns a mask that is true for each value that is finite and satisfies the rule.
     #[inline(always)]
     pub fn holds<N: Pointwise>(self, value: N) -> N::Mask {
-        let finite = value.abs().lt(value.constant(f64::INFINITY));
+        let finite = value.abs().below(f64::INFINITY);
         match self {
             Self::Any => finite,
-            Self::Above(low) => finite & value.gt(value.constant(low)),
-            Self::AtLeast(low) => finite & value.constant(low).le(value),
-            Self::Between(low, high) => {
-                value.gt(value.constant(low)) & value.lt(value.constant(high))
-            }
-            Self::Within(low, high) => {
-                value.constant(low).le(value) & value.le(value.constant(high))
-            }
+            Self::Above(low) => finite & value.above(low),
+            Self::AtLeast(low) => finite & value.at_least(low),
+            Self::Between(low, high) => value.above(low) & value.below(high),
+            Self::Within(low, high) => value.at_least(low) & value.at_most(high),
             Self::Whole(low) => {
                 let rest = value.zip(value, |value, _| value.fract());
-                value.constant(low).le(value)
-                    & value.le(value.constant(MAX_EXACT_INTEGER))
-                    & rest.le(value.constant(0.0))
+                value.at_least(low) & value.at_most(MAX_EXACT_INTEGER) & rest.at_most(0.0)
             }
             Self::OneOf(numbers) => {
                 let mut any = value.lt(value);

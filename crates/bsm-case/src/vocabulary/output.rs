@@ -424,7 +424,7 @@ outputs! {
         "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| Some(constant(s, s.alternatives?.farthest_efficiency?)),
             "efficiency of the other steady motion whose efficiency differs most from the efficiency of this motion";
         "evidence" [""] Evidence: evidence whole = |_, _| None,
-            "evidence for no_solution: proof; bound (solutions are excluded by a limit that was determined in tests at many points: the error of an expansion, or the boundary of the range in which several solutions exist); traced (the branch that starts at small inertia was traced to its end in finite steps)";
+            "evidence for no_solution: proof; bound (solutions are excluded by a limit that was determined in tests at many points: the error of an expansion, or the boundary of the range in which several solutions exist); traced (the branch that starts at small inertia was traced to its end in finite steps, or all lubricant temperatures up to a limit were searched in finite steps)";
     }
 }
 

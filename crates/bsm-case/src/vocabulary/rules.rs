@@ -124,7 +124,7 @@ impl Relation {
             Self::SpeedsDiffer => {
                 let screw = inputs.value(InputKey::screw_speed_rpm)?;
                 let nut = inputs.value(InputKey::nut_speed_rpm)?;
-                ((screw - nut) * RPM).abs().gt(screw.constant(0.0))
+                ((screw - nut) * RPM).abs().above(0.0)
             }
             Self::OilThins => inputs
                 .value(InputKey::viscosity_100C_mm2_s)?
@@ -183,12 +183,11 @@ pub fn covered<I: Inputs>(model: Model, inputs: &I) -> Option<Mask<I>> {
         Model::QuasiStatic => {
             let screw = inputs.value(InputKey::screw_speed_rpm)?;
             let nut = inputs.value(InputKey::nut_speed_rpm)?;
-            let rest = screw.constant(0.0);
-            Some(screw.abs().le(rest) | nut.abs().le(rest))
+            Some(screw.abs().at_most(0.0) | nut.abs().at_most(0.0))
         }
         Model::Rigid | Model::Elastic | Model::Traction => {
             let friction = inputs.value(InputKey::friction_coefficient)?;
-            Some(friction.gt(friction.constant(0.0)))
+            Some(friction.above(0.0))
         }
     }
 }

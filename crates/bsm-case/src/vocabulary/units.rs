@@ -57,7 +57,7 @@ const TURN_ROUNDING: f64 = 1e-9;
 #[inline(always)]
 pub fn direction_deg<F: Real>(angle: F) -> F {
     let (degrees, half) = (angle / DEG, angle.constant(180.0));
-    F::select((degrees + 180.0).lt(angle.constant(TURN_ROUNDING)), half, degrees)
+    F::select((degrees + 180.0).below(TURN_ROUNDING), half, degrees)
 }
 
 /// Conversion from an alternative unit to the unit of the vocabulary: `factor * (value - zero)`.

@@ -231,7 +231,7 @@ impl<F: Real> Power<F> {
     #[inline(always)]
     pub fn transmitted(torque: F, ideal: F, relative_speed: F) -> Self {
         let (screw, load) = (torque * relative_speed, ideal * relative_speed);
-        let drives = relative_speed.gt(relative_speed.constant(0.0));
+        let drives = relative_speed.above(0.0);
         Self {
             input: F::select(drives, screw, -load),
             output: F::select(drives, load, -screw),

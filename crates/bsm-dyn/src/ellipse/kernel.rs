@@ -146,7 +146,7 @@ impl<S: Simd> NearPole<S> {
     fn node(&self, (grow, fall): (Lane<S>, Lane<S>), weight: Lane<S>) -> (Lane<S>, Lane<S>) {
         let half = self.width * 0.5;
         let phi = (half * (grow - fall) + self.at).max(half.constant(0.0)).min(half.constant(PI));
-        let left = phi.gt(phi.constant(FRAC_PI_2));
+        let left = phi.above(FRAC_PI_2);
         let (sin, cos) = left.select(-phi + PI, phi).sin_cos_first_quadrant();
         let weight = weight * half * (grow + fall) * (sin * sin) * (2.0 * FRAC_1_PI);
         (left.select(-cos, cos), weight)
@@ -171,9 +171,9 @@ fn angle<S: Simd>(cos: Lane<S>) -> Lane<S> {
     ];
     let (zero, one) = (cos.constant(0.0), cos.constant(1.0));
     let size = cos.abs();
-    let size = size.le(one).select(size, size.gt(one).select(one, zero));
+    let size = size.at_most(1.0).select(size, size.above(1.0).select(one, zero));
     let angle = (one - size).sqrt() * polynomial(&RATIO, size);
-    cos.lt(zero).select(-angle + PI, angle)
+    cos.below(0.0).select(-angle + PI, angle)
 }
 
 /// Sums along a block of chords of the ellipse: J and K of (T21). With a lubricant, the sums also
@@ -430,7 +430,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> AddChords<S>
             if let Some(inside) = &lines.inner.inside {
                 let (rule, slip, line) = (nodes.rule, &slip, &line);
                 let near = NearChords::<_, _, N, JACOBIAN> { simd, rule, slip, law, line };
-                let is_near = Lane::load(simd, &inside[at..]).gt(xi.constant(0.0));
+                let is_near = Lane::load(simd, &inside[at..]).above(0.0);
                 inner = inner.or(is_near, simd.vectorize(near));
                 self.count += 2 * NearPole::<S>::pairs(rule);
             }

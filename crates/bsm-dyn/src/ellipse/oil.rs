@@ -6,6 +6,7 @@
 
 use std::f64::consts::FRAC_2_PI;
 
+use bsm_kin::Real;
 use bsm_simd::{BLOCK, Lane, Simd};
 
 use super::Quadrature;
@@ -222,7 +223,7 @@ impl PointLaw<4> for OilLaw {
         let per_root = above.recip_sqrt();
         // arsinh z = z − z³/6 + 3 z⁵/40
         let series = z * (z_square * (z_square * 0.075 - 1.0 / 6.0) + 1.0);
-        let arsinh = z.lt(z.constant(SMALL)).select(series, above.mul_add(per_root, z).ln());
+        let arsinh = z.below(SMALL).select(series, above.mul_add(per_root, z).ln());
         // τ_y = τ_E arsinh[η(p) s/(h τ_E)]                                (Y11)
         let a_2 = arsinh * arsinh;
         let per_both = (a_2.mul_add(a_2, pressed.fourth) + TINY).recip_fourth_root();

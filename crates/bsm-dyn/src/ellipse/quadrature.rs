@@ -68,36 +68,71 @@ pub struct Quadrature {
     pub(super) pole_distance: Vec<f64>,
 }
 
-/// Quadrature rules for several accuracies, each with the coarser rule for its error estimate. Each
-/// rule is created on first use.
+/// A quadrature rule with the coarser rule for its error estimate.
+#[derive(Debug)]
+pub(crate) struct RulePair {
+    /// Rule with which friction is integrated.
+    pub(crate) rule: Quadrature,
+    /// Coarser rule. The difference between the results of both rules estimates the error.
+    pub(crate) check: Quadrature,
+}
+
+/// Friction law for which a quadrature rule is intended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Law {
+    /// Constant friction coefficient.
+    Dry,
+    /// Friction coefficient of an oil.
+    Oil,
+}
+
+impl Law {
+    /// Creates the quadrature rules with the given accuracy.
+    fn rules(self, accuracy: f64) -> RulePair {
+        match self {
+            Self::Dry => {
+                RulePair { rule: Quadrature::of(accuracy), check: Quadrature::coarser(accuracy) }
+            }
+            Self::Oil => RulePair {
+                rule: Quadrature::of_oil(accuracy),
+                check: Quadrature::coarser_of_oil(accuracy),
+            },
+        }
+    }
+}
+
+/// Quadrature rules for several friction laws and accuracies. Each rule is created on first use.
 #[derive(Debug, Default)]
-pub(crate) struct Rules(Vec<(f64, [Quadrature; 2])>);
+pub(crate) struct Rules(Vec<(Law, f64, RulePair)>);
 
 impl Rules {
     /// Returns the quadrature rules for a constant friction coefficient.
-    pub(crate) fn dry<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
-        self.get(accuracies, |accuracy| [Quadrature::of(accuracy), Quadrature::coarser(accuracy)])
+    pub(crate) fn dry<const N: usize>(&mut self, accuracies: [f64; N]) -> [&RulePair; N] {
+        self.get(accuracies.map(|accuracy| (Law::Dry, accuracy)))
     }
 
     /// Returns the quadrature rules for an oil.
-    pub(crate) fn of_oil<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
-        let make = |accuracy| [Quadrature::of_oil(accuracy), Quadrature::coarser_of_oil(accuracy)];
-        self.get(accuracies, make)
+    pub(crate) fn of_oil<const N: usize>(&mut self, accuracies: [f64; N]) -> [&RulePair; N] {
+        self.get(accuracies.map(|accuracy| (Law::Oil, accuracy)))
     }
 
-    fn get<const N: usize>(
-        &mut self,
-        accuracies: [f64; N],
-        make: impl Fn(f64) -> [Quadrature; 2],
-    ) -> [&[Quadrature; 2]; N] {
-        let indices = accuracies.map(|accuracy| {
-            let known = |(other, _): &(f64, _)| accuracy.total_cmp(other).is_eq();
-            self.0.iter().position(known).unwrap_or_else(|| {
-                self.0.push((accuracy, make(accuracy)));
+    /// Returns two quadrature rules with the given accuracy: one for an oil, and one for a constant
+    /// friction coefficient.
+    pub(crate) fn oil_and_dry(&mut self, accuracy: f64) -> [&Quadrature; 2] {
+        self.get([Law::Oil, Law::Dry].map(|law| (law, accuracy))).map(|pair| &pair.rule)
+    }
+
+    fn get<const N: usize>(&mut self, requested: [(Law, f64); N]) -> [&RulePair; N] {
+        let indices = requested.map(|(law, accuracy)| {
+            let is_known = |(known_law, known_accuracy, _): &(Law, f64, RulePair)| {
+                law == *known_law && accuracy.total_cmp(known_accuracy).is_eq()
+            };
+            self.0.iter().position(is_known).unwrap_or_else(|| {
+                self.0.push((law, accuracy, law.rules(accuracy)));
                 self.0.len() - 1
             })
         });
-        indices.map(|index| &self.0[index].1)
+        indices.map(|index| &self.0[index].2)
     }
 }
 

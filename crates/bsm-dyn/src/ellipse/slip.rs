@@ -134,8 +134,7 @@ impl<F: Real> EllipseSlip<F> {
         let (square, spin) = (v_t * v_t + self.creep * self.creep, b_1 * b_1);
         let far = (b_0.abs() - b_1.abs()) * (b_0.abs() + b_1.abs()) + square;
         // sinh²η = [A + √(A² + 4 b₁² r²)]/(2 b₁²),  r² = v_t² + v_e²,  A = b₀² − b₁² + r²
-        let (both, near) =
-            ((far * far + spin * square * 4.0).sqrt() + far.abs(), far.lt(far.constant(0.0)));
+        let (both, near) = ((far * far + spin * square * 4.0).sqrt() + far.abs(), far.below(0.0));
         let (up, down) = (F::select(near, square * 2.0, both), F::select(near, both, spin * 2.0));
         up / divisor(down)
     }
@@ -145,9 +144,10 @@ impl<F: Real> EllipseSlip<F> {
     pub(super) fn poles(&self) -> [Pole<F>; 2] {
         let [q_0, q_1, q_2] = self.longitudinal;
         let (zero, one) = (q_0.constant(0.0), q_0.constant(1.0));
-        let (s_1, s_2) = (F::select(q_1.lt(zero), -one, one), F::select(q_2.lt(zero), -one, one));
+        let (s_1, s_2) =
+            (F::select(q_1.below(0.0), -one, one), F::select(q_2.below(0.0), -one, one));
         let (q_2, d) = (divisor(q_2), q_1 * q_1 - q_0 * q_2 * 4.0);
-        let complex = d.lt(zero);
+        let complex = d.below(0.0);
         let t = divisor(-(q_1 + s_1 * d.larger(zero).sqrt()) * 0.5);
         let middle = -(q_1 / q_2) * 0.5;
         let lines = [F::select(complex, middle, t / q_2), F::select(complex, middle, q_0 / t)];

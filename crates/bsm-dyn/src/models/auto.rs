@@ -6,12 +6,12 @@
 use bsm_kin::{Jet, Real};
 
 use crate::models::ball::{
-    Basis, Choice, ContactState, Direction, ElasticContacts, ElasticPoint, ErrorBound, Model,
-    Performance, SlipRegime, Solution, SolveFailure, SteadyState,
+    Basis, Choice, ContactState, ElasticContacts, ElasticPoint, ErrorBound, Model, Performance,
+    SlipRegime, Solution, SolveFailure, SteadyState,
 };
 use crate::models::elastic::{Elastic, SlidingBall};
-use crate::models::raceway_control::RacewayControl;
-use crate::models::traction::{SlipRoot, Start, Traction};
+use crate::models::raceway_control::{RacewayControl, RollingBall};
+use crate::models::traction::{Integrated, SlipRoot, Start, Traction};
 use crate::models::workspace::ModelWorkspace;
 use crate::outcome::Status;
 
@@ -30,102 +30,152 @@ impl Auto {
     /// traction model is solved with increasing accuracy until its error bound is at most the
     /// tolerance or the highest accuracy is reached.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
-        self.solve_for_root(work).0
+        self.choose(work).solution
     }
 
-    /// Returns the solution, together with the root of the traction model if that model was chosen.
-    fn solve_for_root(&self, work: &mut ModelWorkspace) -> (Solution, Option<SlipRoot>) {
+    /// Solves with the chosen model and keeps the root of the traction model if that model was
+    /// chosen.
+    fn choose(&self, work: &mut ModelWorkspace) -> Chosen {
         let contacts = match self.screw.scaled() {
             Ok(contacts) => contacts,
-            Err(invalid) => return (Solution::new(Model::RacewayControl, Err(invalid)), None),
+            Err(invalid) => return Solution::new(Model::RacewayControl, Err(invalid)).into(),
         };
         let rolling_ball = work.raceway.rolling_ball(&contacts, None).ok();
-        let known = rolling_ball.and_then(|rolling_ball| {
-            let onset_number = rolling_ball.skid(&contacts).onset_number()?;
-            if SlipRegime::of(onset_number) == SlipRegime::PartialSkid {
-                // In partial skid, neither raceway control nor gross slip is valid, even if the
-                // error bound of raceway control is small.
-                return None;
-            }
-            let solved = work.raceway.steady_state(&self.screw, &contacts, &rolling_ball).ok()?;
-            Some((rolling_ball, solved, ModelErrors::of_ball(&contacts, &solved)?))
-        });
-        if let Some((rolling_ball, solved, errors)) = &known {
-            match errors.basis(self.tolerance) {
-                Some(basis @ Basis::Rolling { .. }) => {
-                    let solved = work.raceway.with_alternatives(
-                        &self.screw,
-                        &contacts,
-                        rolling_ball,
-                        None,
-                        solved,
-                    );
-                    return (self.chosen(&solved, Some(errors.rolling), basis), None);
+        let known = rolling_ball.and_then(|ball| self.outside_partial_skid(&contacts, ball, work));
+        let solution =
+            known.as_ref().and_then(|known| match known.errors.basis(self.tolerance)? {
+                Basis::Rolling { .. } => {
+                    Some(self.rolling(&contacts, known, Some(known.errors.rolling), work))
                 }
-                Some(basis) => {
-                    if let Ok(skid) = self.screw.point.require_friction().and_then(|()| {
-                        Elastic { screw: self.screw }.steady_state(&contacts, &mut work.elastic)
-                    }) {
-                        let eta = |solved: &SteadyState| solved.transmission.efficiency;
-                        let bound = errors.skid_bound((eta(solved) - eta(&skid)).abs());
-                        if bound <= self.tolerance {
-                            let skid = SteadyState { skid: solved.skid, ..skid };
-                            return (self.chosen(&skid, Some(bound), basis), None);
-                        }
-                    }
-                }
-                None => {}
-            }
+                basis => self.in_gross_skid(&contacts, known, basis, work),
+            });
+        if let Some(solution) = solution {
+            return solution.into();
         }
+        self.integrated(&contacts, rolling_ball.as_ref(), work).unwrap_or_else(|failure| {
+            let solution = match known {
+                // If the ball rolls but the traction model fails, the less accurate result of
+                // raceway control is better than no result.
+                Some(known) if SlipRegime::of(known.errors.onset_number) == SlipRegime::Rolling => {
+                    // If no solution of the traction model exists, the error relative to that
+                    // solution is undefined.
+                    let exists = failure.status() != Status::NoSolution;
+                    let bound = Some(known.errors.rolling);
+                    let bound = bound.filter(|bound| exists && bound.is_finite());
+                    self.rolling(&contacts, &known, bound, work)
+                }
+                _ => Solution::new(Model::Traction, Err(failure)),
+            };
+            solution.into()
+        })
+    }
+
+    /// Calculates the steady state of a rolling ball with its error bounds. Returns `None` if an
+    /// error bound is undefined or the ball is in partial skid.
+    fn outside_partial_skid(
+        &self,
+        contacts: &ElasticContacts,
+        ball: RollingBall,
+        work: &mut ModelWorkspace,
+    ) -> Option<RollingState> {
+        let onset_number = ball.skid(contacts).onset_number()?;
+        if SlipRegime::of(onset_number) == SlipRegime::PartialSkid {
+            // In partial skid, neither raceway control nor gross slip is valid, even if the error
+            // bound of raceway control is small.
+            return None;
+        }
+        let solved = work.raceway.steady_state(&self.screw, contacts, &ball).ok()?;
+        let errors = ModelErrors::of_ball(contacts, &solved)?;
+        Some(RollingState { ball, solved, errors })
+    }
+
+    /// Returns the solution of raceway control.
+    ///
+    /// * `error_bound`: error bound of the efficiency, `None` if it is unknown.
+    fn rolling(
+        &self,
+        contacts: &ElasticContacts,
+        RollingState { ball, solved, errors }: &RollingState,
+        error_bound: Option<f64>,
+        work: &mut ModelWorkspace,
+    ) -> Solution {
+        let solved = work.raceway.with_alternatives(&self.screw, contacts, ball, None, solved);
+        let basis = Basis::Rolling { onset_number: errors.onset_number };
+        self.chosen(contacts, &solved, error_bound, basis)
+    }
+
+    /// Returns the solution of the gross-slip model, or `None` if the solve fails or the error bound
+    /// exceeds the tolerance.
+    fn in_gross_skid(
+        &self,
+        contacts: &ElasticContacts,
+        rolling: &RollingState,
+        basis: Basis,
+        work: &mut ModelWorkspace,
+    ) -> Option<Solution> {
+        self.screw.point.require_friction().ok()?;
+        let model = Elastic { screw: self.screw };
+        let skid = model.steady_state(contacts, &mut work.elastic).ok()?;
+        let eta = |solved: &SteadyState| solved.transmission.efficiency;
+        let bound = rolling.errors.skid_bound((eta(&rolling.solved) - eta(&skid)).abs());
+        (bound <= self.tolerance).then(|| {
+            let skid = SteadyState { skid: rolling.solved.skid, ..skid };
+            self.chosen(contacts, &skid, Some(bound), basis)
+        })
+    }
+
+    /// Returns the solution of the traction model with its root.
+    fn integrated(
+        &self,
+        contacts: &ElasticContacts,
+        rolling_ball: Option<&RollingBall>,
+        work: &mut ModelWorkspace,
+    ) -> Result<Chosen, SolveFailure> {
+        self.screw.point.require_friction()?;
         let traction =
             Traction { screw: self.screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
-        let integrated = self.screw.point.require_friction().and_then(|()| {
-            let start = Start::new(&contacts, rolling_ball.as_ref())?;
-            traction.solve_to(&start, self.tolerance, &mut work.traction)
-        });
-        match integrated {
-            Ok((found, accuracy, error)) => {
-                let basis = Basis::Integrated { accuracy };
-                (self.chosen(&found.solved, Some(error), basis), Some(found.root))
-            }
-            Err(failure) => {
-                let solution = match known {
-                    // If the ball rolls but the traction model fails, the less accurate result of
-                    // raceway control is better than no result.
-                    Some((rolling_ball, solved, errors))
-                        if SlipRegime::of(errors.onset_number) == SlipRegime::Rolling =>
-                    {
-                        let solved = work.raceway.with_alternatives(
-                            &self.screw,
-                            &contacts,
-                            &rolling_ball,
-                            None,
-                            &solved,
-                        );
-                        let basis = Basis::Rolling { onset_number: errors.onset_number };
-                        // If no solution of the traction model exists, the error relative to that
-                        // solution is undefined.
-                        let exists = failure.status() != Status::NoSolution;
-                        let bound =
-                            Some(errors.rolling).filter(|bound| exists && bound.is_finite());
-                        self.chosen(&solved, bound, basis)
-                    }
-                    _ => Solution::new(Model::Traction, Err(failure)),
-                };
-                (solution, None)
-            }
-        }
+        let start = Start::new(contacts, rolling_ball)?;
+        let Integrated { found, accuracy, error } =
+            traction.solve_to(&start, self.tolerance, &mut work.traction)?;
+        let basis = Basis::Integrated { accuracy };
+        let solution = self.chosen(contacts, &found.solved, Some(error), basis);
+        Ok(Chosen { solution, root: Some(found.root) })
     }
 
     /// Returns the result of the chosen model, together with the error bound if it is known.
-    fn chosen(&self, solved: &SteadyState, error_bound: Option<f64>, basis: Basis) -> Solution {
+    fn chosen(
+        &self,
+        contacts: &ElasticContacts,
+        solved: &SteadyState,
+        error_bound: Option<f64>,
+        basis: Basis,
+    ) -> Solution {
         let choice = Some(Choice { basis, tolerance: self.tolerance });
-        let direction =
-            Direction::of(self.screw.point.drive.relative_speed()).expect("the point was solved");
         let efficiency = solved.transmission.efficiency;
-        let error = error_bound.map(|bound| ErrorBound::of(direction, efficiency, bound));
+        let error = error_bound.map(|bound| ErrorBound::of(contacts.direction, efficiency, bound));
         Solution { model: basis.model(), result: Ok(SteadyState { error, ..*solved }), choice }
     }
+}
+
+/// Solution of the chosen model.
+struct Chosen {
+    solution: Solution,
+    /// Root of the traction equations, if the traction model was chosen.
+    root: Option<SlipRoot>,
+}
+
+impl From<Solution> for Chosen {
+    /// Creates the solution of a model other than the traction model.
+    fn from(solution: Solution) -> Self {
+        Self { solution, root: None }
+    }
+}
+
+/// A rolling ball with its steady state and the error bounds of the fast models.
+struct RollingState {
+    ball: RollingBall,
+    solved: SteadyState,
+    errors: ModelErrors,
 }
 
 impl<const M: usize> Auto<Jet<M>> {
@@ -136,7 +186,7 @@ impl<const M: usize> Auto<Jet<M>> {
         work: &mut ModelWorkspace,
     ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let Self { screw, tolerance } = *self;
-        let (solution, root) = Auto { screw: screw.values(), tolerance }.solve_for_root(work);
+        let Chosen { solution, root } = Auto { screw: screw.values(), tolerance }.choose(work);
         let basis = match solution.result {
             Err(failure) => return Err(failure),
             Ok(_) => solution.choice.map(|choice| choice.basis),
@@ -200,19 +250,19 @@ impl<F: Real> ModelErrors<F> {
         // σ = min(1, (S/0.27)⁶)                                           (A3)
         let square = (onset_number * 0.27_f64.recip()).square();
         let sixth = square * square * square;
-        let skidding = F::select(sixth.lt(one), sixth, one);
+        let skidding = F::select(sixth.below(1.0), sixth, one);
         // |δη| ≤ A (1 − η) + 1.05 σ (1 + μ)(η − η_s)                      (A4)
         let inertia = ball.inertia_ratio + 1.0;
         let rolling = rolling * (one - efficiency).abs() + skidding * inertia * range * 1.05;
         // f ≤ cotβ ≤ 1/f                                                  (A9)
         let [nut, screw] = cotangents;
         let below_top = friction.le(nut) & friction.le(screw);
-        let above_root = (friction * nut).le(one) & (friction * screw).le(one);
+        let above_root = (friction * nut).at_most(1.0) & (friction * screw).at_most(1.0);
         let rolling = F::select(below_top & above_root, rolling, one.constant(f64::INFINITY));
         // |δη| ≤ (0.015 + 0.8/S^{5/2} + 0.1/(1 + (χ/0.6)⁴)) (η − η_s)     (A5)
         let spin = ((cross_slip * 0.6_f64.recip()).square().square() + 1.0).recip() * 0.1;
         let skidding = (onset_number.square() * onset_number.sqrt()).recip() * 0.8 + 0.015 + spin;
-        let is_meaningful = one.constant(MIN_CROSS_SLIP).le(cross_slip);
+        let is_meaningful = cross_slip.at_least(MIN_CROSS_SLIP);
         let skidding = F::select(is_meaningful, skidding, one.constant(f64::INFINITY));
         Self { onset_number, rolling, skidding, range }
     }

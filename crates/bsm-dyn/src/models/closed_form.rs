@@ -28,8 +28,7 @@ pub struct ScrewSize<D = f64> {
 /// * `load_ratio`: normal load divided by axial load per ball.
 #[inline(always)]
 pub fn turns<F: Real>(back: F::Mask, efficiency: F, load_ratio: F) -> F::Mask {
-    let zero = efficiency.constant(0.0);
-    (back | efficiency.gt(zero)) & load_ratio.gt(zero) & load_ratio.lt(zero.constant(f64::INFINITY))
+    (back | efficiency.above(0.0)) & load_ratio.above(0.0) & load_ratio.below(f64::INFINITY)
 }
 
 impl<F: Real> ScrewSize<F> {

@@ -26,7 +26,7 @@ use crate::contact::{
     Coulomb, Load, POWER_BALANCE_TOL, Power, axial_force, efficiency, ideal_torque, max_pressure,
     torque,
 };
-use crate::ellipse::{Quadrature, Rules, pressed_radius};
+use crate::ellipse::{Quadrature, RulePair, Rules, pressed_radius};
 use crate::models::ball::{
     BallState, ContactState, ElasticPoint, FarFlank, HertzContact, Model, Performance, Reason,
     Slip, Solution, SolveFailure, SolveInfo, SteadyState, ThirdContact, Transmission, Workspace,
@@ -278,9 +278,9 @@ impl GothicBall {
         start: impl Fn(Start, &mut TractionWorkspace) -> Option<Root>,
     ) -> Result<GothicState, SolveFailure> {
         let GothicWorkspace { traction, newton, rest, rules } = work;
-        let [[coarse, _], [smooth, _], [quadrature, _]] =
-            rules.dry([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]);
-        let balance = self.balance(grooves, condition, at_rest, quadrature);
+        let [coarse, smooth, fine] =
+            rules.dry([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]).map(|pair| &pair.rule);
+        let balance = self.balance(grooves, condition, at_rest, fine);
         let coarse = Balance { quadrature: coarse, coarse: true, ..balance };
         let smooth = Balance { quadrature: smooth, ..balance };
         let mut search = Search { balance, coarse, smooth, newton, steps: 0 };
@@ -636,7 +636,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
         let condition = AxialCondition::Force(ball.screw.point.load.per_ball());
         let at_rest = grooves.at_rest(condition, &mut work.rest)?;
         let GothicWorkspace { newton, rules, .. } = work;
-        let [[quadrature, _]] = rules.dry([self.accuracy]);
+        let [RulePair { rule: quadrature, .. }] = rules.dry([self.accuracy]);
         let balance = ball.balance(&grooves, condition, &at_rest, quadrature);
         let grooves = Grooves::of(&self.screw, &self.fit)?;
         let inputs = Balance {

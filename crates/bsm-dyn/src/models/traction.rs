@@ -19,7 +19,7 @@ use self::equations::{ROOT_RESIDUAL, SlipBall};
 use self::root::RootWithPower;
 pub(crate) use self::root::SlipRoot;
 pub use self::train::{TrainBall, TrainMotion};
-use crate::ellipse::Rules;
+use crate::ellipse::{RulePair, Rules};
 use crate::models::ball::unknown::{NUT_LOAD, SCREW_LOAD};
 use crate::models::ball::{
     ElasticContacts, ElasticPoint, ErrorBound, Model, Solution, SolveFailure, SolveInfo,
@@ -65,17 +65,20 @@ impl Traction {
     /// requested accuracy. If either step fails, a search with a finer quadrature, which includes
     /// continuation, decides whether a root exists.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
-        let found = self.screw.point.require_friction().and_then(|()| {
-            let contacts = self.screw.scaled()?;
-            let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
-            let start = Start::new(&contacts, rolling_ball.ok().as_ref())?;
-            Ok(self.found(&start, None, work).map_err(NotFound::failure)?.solved)
-        });
-        Solution::new(Model::Traction, found)
+        Solution::new(Model::Traction, self.root(work).map(|found| found.solved))
+    }
+
+    /// Finds the root, starting from the solution for a rolling ball, and its steady state.
+    fn root(&self, work: &mut TractionWorkspace) -> Result<SlipResult, SolveFailure> {
+        self.screw.point.require_friction()?;
+        let contacts = self.screw.scaled()?;
+        let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
+        let start = Start::new(&contacts, rolling_ball.ok().as_ref())?;
+        self.found(&start, None, work).map_err(NotFound::failure)
     }
 
     /// Solves with increasingly accurate quadratures until the error bound of the efficiency is at
-    /// most `tolerance`. Returns the root, the accuracy of its quadrature and the error bound.
+    /// most `tolerance`.
     ///
     /// The error bound includes the effect of the creep speed. If the root cannot be refined with a
     /// more accurate quadrature, the last root is returned, and its error bound is set to the whole
@@ -86,7 +89,7 @@ impl Traction {
         start: &Start<'_>,
         tolerance: f64,
         work: &mut TractionWorkspace,
-    ) -> Result<(SlipResult, f64, f64), SolveFailure> {
+    ) -> Result<Integrated, SolveFailure> {
         let bound = |found: &SlipResult| {
             integrated_error(found.error, found.solved.transmission.efficiency, found.by_creep)
         };
@@ -121,7 +124,7 @@ impl Traction {
         }
         let found = found.map_err(NotFound::failure)?;
         let error = bound(&found);
-        Ok((found, case.accuracy, error))
+        Ok(Integrated { found, accuracy: case.accuracy, error })
     }
 
     /// Finds the root and its steady state. If `from` is given, it is a root for a different
@@ -133,15 +136,15 @@ impl Traction {
         work: &mut TractionWorkspace,
     ) -> Result<SlipResult, NotFound> {
         let TractionWorkspace { newton, rules, .. } = work;
-        let rules = rules.dry([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]);
+        let pairs = rules.dry([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]);
         let creep = self.creep * contacts.slip_scale();
         let [coarse, search, ball] =
-            rules.map(|[rule, _]| SlipBall::of_contacts(contacts, rule, creep));
+            pairs.map(|pair| SlipBall::of_contacts(contacts, &pair.rule, creep));
         let (coarse, ball) = (
             SlipBall { residual_goal: COARSE_RESIDUAL, ..coarse },
             SlipBall { residual_goal: ROOT_RESIDUAL, ..ball },
         );
-        let [.., [_, check]] = rules;
+        let [.., RulePair { check, .. }] = pairs;
         let frozen_rules = Default::default();
         let mut steps = 0;
         let near = if let Some(root) = from {
@@ -209,12 +212,12 @@ impl Traction {
         self.screw.point.require_friction()?;
         let contacts = self.screw.scaled()?;
         let TractionWorkspace { newton, rules, .. } = work;
-        let [[search, _], [rule, _]] = rules.dry([SEARCH_ACCURACY, self.accuracy]);
+        let [search, fine] = rules.dry([SEARCH_ACCURACY, self.accuracy]);
         let creep = self.creep * contacts.slip_scale();
-        let search = SlipBall::of_contacts(&contacts, search, creep);
+        let search = SlipBall::of_contacts(&contacts, &search.rule, creep);
         let ball = SlipBall {
             residual_goal: ROOT_RESIDUAL,
-            ..SlipBall::of_contacts(&contacts, rule, creep)
+            ..SlipBall::of_contacts(&contacts, &fine.rule, creep)
         };
         let with_nut_angle = SlipBall { uses_nut_angle: true, ..search };
         let roots = search.all_roots(newton).or_else(|| with_nut_angle.all_roots(newton));
@@ -281,6 +284,15 @@ pub(crate) struct SlipResult {
     /// Error bound of the friction power due to the creep speed, relative to the friction power
     /// (A8).
     by_creep: f64,
+}
+
+/// A root of the traction equations that was found with increasingly accurate quadratures.
+pub(crate) struct Integrated {
+    pub(crate) found: SlipResult,
+    /// Accuracy of the quadrature with which the root was found.
+    pub(crate) accuracy: f64,
+    /// Error bound of the efficiency, which includes the effect of the creep speed (dimensionless).
+    pub(crate) error: f64,
 }
 
 /// Information about a solve that found no root with a given accuracy.

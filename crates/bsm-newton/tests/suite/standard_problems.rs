@@ -6,7 +6,8 @@
 
 use bsm_newton::{
     Convergence, Equations, EvalError, JacobianUpdate, Linearized, NoSlopes, Options, Report,
-    Scales, Singular, Termination, Workspace, implicit_slopes, path_direction, solve,
+    Scales, Singular, Termination, Workspace, WorstEquation, implicit_slopes, path_direction,
+    solve,
 };
 
 /// Residual and rows of the Jacobian at a point.
@@ -224,8 +225,8 @@ fn singular_jacobian_is_reported() {
         &mut [0.0, 0.0],
     );
     assert_eq!(report.status, Termination::SingularJacobian);
-    assert_eq!(report.worst_equation, 1);
-    assert_eq!(report.worst_equation_name, "row 1 of 2");
+    let worst = WorstEquation { index: 1, name: "row 1 of 2".to_owned() };
+    assert_eq!(report.worst, Some(worst));
     assert_eq!(report.steps.len(), 0);
 }
 
@@ -237,7 +238,7 @@ fn nan_residual_is_reported() {
         &mut [1.0, 1.0],
     );
     assert_eq!(report.status, Termination::NotFinite);
-    assert_eq!(report.worst_equation, 1);
+    assert_eq!(report.worst.map(|worst| worst.index), Some(1));
 }
 
 /// The failure is expected because the starting point is outside the domain.
@@ -245,6 +246,7 @@ fn nan_residual_is_reported() {
 fn start_outside_the_domain_is_reported() {
     let report = solve_equations(logarithm, &mut [-1.0]);
     assert_eq!(report.status, Termination::OutsideDomain);
+    assert_eq!(report.worst, None);
 }
 
 /// The failure is expected because the step falls below the limit of (N3) while the residual still
@@ -267,19 +269,22 @@ fn step_limit_is_reported() {
     let report = solve(&system, &mut x, &scales, &options, &mut Workspace::default()).report;
     assert_eq!(report.status, Termination::MaxSteps);
     assert_eq!(report.steps.len(), 3);
-    assert!(report.worst_equation_name.starts_with("row "), "{report:?}");
+    let name = report.worst.map(|worst| worst.name);
+    assert!(name.is_some_and(|name| name.starts_with("row ")));
 }
 
 /// The failure is expected because a scaling factor is not positive and finite.
 #[test]
 fn invalid_scale_is_reported() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let scales = Scales { x: &[1.0; 2], f: &[1.0, bad] };
-        let mut x = [0.0; 2];
-        let work = &mut Workspace::default();
-        let report = solve(&Problem(rosenbrock), &mut x, &scales, &Options::default(), work).report;
-        assert_eq!(report.status, Termination::BadScale, "{bad}");
-        assert_eq!((report.worst_equation, report.n_residual), (1, 0));
+        let (good, bad) = ([1.0; 2], [1.0, bad]);
+        for scales in [Scales { x: &good, f: &bad }, Scales { x: &bad, f: &good }] {
+            let mut x = [0.0; 2];
+            let (system, work) = (Problem(rosenbrock), &mut Workspace::default());
+            let report = solve(&system, &mut x, &scales, &Options::default(), work).report;
+            assert_eq!(report.status, Termination::BadScale, "{bad:?}");
+            assert_eq!((report.worst, report.n_residual), (None, 0));
+        }
     }
 }
 

@@ -228,14 +228,14 @@ impl<F: Real> GrooveContact<F> {
         let one = cos_b.constant(1.0);
         let curvatures = groove.curvatures_at(size.radius, one, tan_a, cos_b);
         let target = curvatures.longitudinal / curvatures.transverse;
-        let practice = one.le(target) & target.le(one.constant(Axes::<F>::MAX_PRACTICAL_RATIO));
+        let practice = target.at_least(1.0) & target.at_most(Axes::<F>::MAX_PRACTICAL_RATIO);
         let contact = Self {
             offset: groove.offset(one),
             pressed_radius: pressed_radius(groove.conformity, one),
             hertz: Hertz::with_axes(&Axes::of_practical_ratio(target), &curvatures, size.modulus),
             curvatures,
         };
-        (contact, practice & curvatures.transverse.gt(one.constant(0.0)))
+        (contact, practice & curvatures.transverse.above(0.0))
     }
 }
 
@@ -269,12 +269,11 @@ impl<F: Real> BallContacts<F> {
             pressed_radius: [nut.pressed_radius, screw.pressed_radius],
         };
         let inertia_ratio = scaled.inertia_ratio();
-        let [least, infinity] = [cos_a.constant(f64::MIN_POSITIVE), cos_a.constant(f64::INFINITY)];
         let regular = at_nut
             & at_screw
-            & size.mass.gt(least)
-            & inertia_ratio.gt(least)
-            & inertia_ratio.lt(infinity);
+            & size.mass.above(f64::MIN_POSITIVE)
+            & inertia_ratio.above(f64::MIN_POSITIVE)
+            & inertia_ratio.below(f64::INFINITY);
         Self { scaled, sin_b, cos_b, pressed: [nut, screw], regular }
     }
 

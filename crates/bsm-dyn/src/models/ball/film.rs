@@ -14,7 +14,7 @@ use crate::contact::{
     ContactFilm, Curvatures, FilmState, Hertz, Lubricant, MixedFriction, OilState, OutsidePower,
     Roughness, Wrench, contact_modulus,
 };
-use crate::ellipse::{Integrate, Placement, Quadrature, Rules, lubricated_friction};
+use crate::ellipse::{Integrate, Placement, Rules, lubricated_friction};
 use crate::outcome::SolveFailure;
 
 /// Magnitude of the load exponent in the film thickness formula (Y7) (dimensionless).
@@ -576,17 +576,7 @@ impl<D: Real> ScaledFilm<D> {
 /// Reusable buffers for solving lubricated models.
 #[derive(Default)]
 pub struct LubricatedWorkspace {
-    pub(crate) oil: Rules,
-    pub(crate) dry: Rules,
-}
-
-impl LubricatedWorkspace {
-    /// Returns two quadrature rules with the given accuracy: one for lubricated contacts, and one
-    /// for a constant friction coefficient.
-    pub(crate) fn both(&mut self, accuracy: f64) -> [&Quadrature; 2] {
-        let ([[oil, _]], [[dry, _]]) = (self.oil.of_oil([accuracy]), self.dry.dry([accuracy]));
-        [oil, dry]
-    }
+    pub(crate) rules: Rules,
 }
 
 /// A lubricated ball in steady motion. All quantities are in scaled units, except the torque, which

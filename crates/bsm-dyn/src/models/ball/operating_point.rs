@@ -32,12 +32,12 @@ pub fn is_in_range<F: Real>(friction: F, inertia_ratio: F) -> F::Mask {
 
 #[inline(always)]
 fn is_friction_in_range<F: Real>(friction: F) -> F::Mask {
-    friction.constant(MIN_FRICTION).le(friction)
+    friction.at_least(MIN_FRICTION)
 }
 
 #[inline(always)]
 fn is_inertia_in_range<F: Real>(ratio: F) -> F::Mask {
-    ratio.constant(MIN_INERTIA_RATIO).le(ratio) & ratio.le(ratio.constant(MAX_INERTIA_RATIO))
+    ratio.at_least(MIN_INERTIA_RATIO) & ratio.at_most(MAX_INERTIA_RATIO)
 }
 
 /// A ball screw at an operating point.
@@ -89,7 +89,7 @@ impl<F: Real> ResultUnits<F> {
     /// Returns true if the load back-drives the screw.
     #[inline(always)]
     pub fn back(&self) -> F::Mask {
-        self.speed.lt(self.speed.constant(0.0))
+        self.speed.below(0.0)
     }
 
     /// Returns the efficiency, the torque and the powers, together with the relative error of the

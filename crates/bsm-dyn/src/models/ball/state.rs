@@ -360,7 +360,7 @@ impl<F: Real> Transmission<F> {
         let efficiency = efficiency(back, ideal, torque);
         Self {
             efficiency,
-            self_locking: efficiency.le(efficiency.constant(0.0)),
+            self_locking: efficiency.at_most(0.0),
             screw_torque: Some(torque),
             power: Some(Power::transmitted(torque, ideal, speed)),
             power_balance: None,
@@ -383,7 +383,7 @@ impl<F: Real> Transmission<F> {
     #[inline(always)]
     pub fn is_balanced(&self) -> F::Mask {
         let imbalance = self.power_balance.unwrap_or(self.efficiency.constant(f64::NAN));
-        imbalance.abs().le(imbalance.constant(POWER_BALANCE_TOL))
+        imbalance.abs().at_most(POWER_BALANCE_TOL)
     }
 }
 

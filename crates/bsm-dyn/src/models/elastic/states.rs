@@ -125,7 +125,7 @@ impl<F: Real> SlidingBall<F> {
             // q = 1/[cosα (sinβ − f D)], Eq (C4)                          (P4)
             let mut load = sines.load_ratio(back, friction);
             for _ in 0..20 {
-                carried = load.gt(zero) & load.lt(one.constant(f64::INFINITY));
+                carried = load.above(0.0) & load.below(f64::INFINITY);
                 if !F::any(!carried) {
                     break;
                 }
@@ -269,14 +269,14 @@ impl<F: Real> SlidingPoint<F> {
     /// Returns true if the ball is on its flanks and the slip is opposite to friction.
     #[inline(always)]
     pub(super) fn is_admissible(&self) -> F::Mask {
-        let SlidingState { sin, cos, load_parameter, .. } = &self.state;
-        let (zero, [a, b]) = (load_parameter.constant(0.0), self.motion.slip);
-        a.gt(zero)
-            & b.gt(zero)
-            & zero.le(sin[0])
-            & zero.le(sin[1])
-            & cos[0].gt(zero)
-            & cos[1].gt(zero)
+        let SlidingState { sin, cos, .. } = &self.state;
+        let [a, b] = self.motion.slip;
+        a.above(0.0)
+            & b.above(0.0)
+            & sin[0].at_least(0.0)
+            & sin[1].at_least(0.0)
+            & cos[0].above(0.0)
+            & cos[1].above(0.0)
     }
 
     /// Returns true if the centrifugal force of this state is `factor` times the centrifugal force

@@ -158,7 +158,7 @@ impl<F: Real> CurveState<F> {
     /// equilibrium curve.
     #[inline(always)]
     fn is_within(&self, point: &Coordinates<F>, &[_, by_screw, by_c]: &[F; 3]) -> F::Mask {
-        (self.point[0] - point[0]).abs().le(by_c.constant(MAX_STEP))
+        (self.point[0] - point[0]).abs().at_most(MAX_STEP)
             & (self.point[1] - point[1]).abs().le(by_screw)
             & (self.point[2] - point[2]).abs().le(by_c)
     }
@@ -242,7 +242,7 @@ where
         let mut at = LaneIterate::starting_at([unloaded.ln()], expected);
         ANGLE_NEWTON.iterate(&StaticAngle { ball: self }, &mut at);
         let (found, effect) = self.equal_angles(at.x[0].exp());
-        (found, at.steps, expected & at.has_ended & effect.gt(effect.constant(0.0)))
+        (found, at.steps, expected & at.has_ended & effect.above(0.0))
     }
 
     /// Finds the force equilibrium at zero inertia, starting from an estimate of `$x$` and `$c$`.
@@ -265,15 +265,14 @@ where
         // turn at nearly the same speed, the inertia at the beginning of the curve underflows, but
         // the logarithm of the inertia does not.
         let root = self.inertia_ratio.ln() - start.at.log_inertia() + LOG_NO_INERTIA;
-        let inside =
-            start.converged & root.lt(one * START_DISTANCE) & root.gt(one * LOG_NO_INERTIA);
+        let inside = start.converged & root.below(START_DISTANCE) & root.above(LOG_NO_INERTIA);
         let (mut guess, mut expected) = ([root, start.point[1], start.point[2]], inside);
         let (mut steady, mut is_first_root, mut steps) =
             (zero.mask(false), zero.mask(false), start.steps);
         let mut continued = false;
         let (node, residual) = loop {
             let node = self.iterate::<true>(guess, &scale, expected);
-            let back = (node.at.motion.drive * node.at.motion.inertia).lt(zero);
+            let back = (node.at.motion.drive * node.at.motion.inertia).below(0.0);
             let [forwards, backwards] = self.inertia_residuals(&node.at);
             let residual = (F::select(back, backwards, forwards) / node.at.motion.drive).abs();
             // `rounding` is an upper limit of the rounding errors of the terms and of the logarithm
@@ -300,7 +299,7 @@ where
             (expected, steps) = (arrived, steps + more_steps);
         };
         let size = (node.at.state.centrifugal / self.inertia_ratio).sqrt();
-        let back = (node.at.motion.drive * node.at.motion.inertia).lt(zero);
+        let back = (node.at.motion.drive * node.at.motion.inertia).below(0.0);
         let (sin, cos) = node.at.state.angle_difference;
         let half = ((cos + 1.0) * 0.5).sqrt();
         SlidingRoot {
@@ -358,7 +357,7 @@ where
                 active
             } else {
                 let (rise, rise_of_inertia) = (next.point[0] - point[0], below - to);
-                let rises = rise.gt(zero) & rise.lt(rise_of_inertia * MAX_SLOPE);
+                let rises = rise.above(0.0) & rise.lt(rise_of_inertia * MAX_SLOPE);
                 let near = next.converged & next.is_within(&point, &next.scale(self)) & rises;
                 slope = F::select(near, rise / rise_of_inertia, slope);
                 length = F::select(near, length, length * 0.5);
@@ -369,7 +368,7 @@ where
                 point[k] = F::select(near, next.point[k], point[k]);
             }
             below = F::select(near, to, below);
-            arrived = arrived | active & near & to.le(zero);
+            arrived = arrived | active & near & to.at_most(0.0);
             active = active & !arrived;
             if !F::any(active) {
                 break;
@@ -411,12 +410,11 @@ where
         let (state, [a, b]) = self.state([square.sqrt(), point[1]], load_excess, q, point[2]);
         let at = SlidingPoint { state, motion: self.motion(&state) };
         let residual = a.abs().larger(b.abs());
-        let (zero, infinity) = (residual.constant(0.0), residual.constant(f64::INFINITY));
         let converged = expected
             & has_ended
             & residual.lt(rounding_floor(&state) * residual_tol)
-            & state.load_parameter.gt(zero)
-            & state.load_parameter.lt(infinity);
+            & state.load_parameter.above(0.0)
+            & state.load_parameter.below(f64::INFINITY);
         CurveState { point, at, residual, steps, converged }
     }
 
@@ -429,16 +427,14 @@ where
     /// * `any`: true if any root is acceptable because it only serves as a starting value.
     #[inline(always)]
     pub fn direct_root(&self, unloaded: F, requested: F::Mask, any: bool) -> SlidingRoot<F> {
-        let max_nut_speed = unloaded.constant(MAX_NUT_SPEED);
         let requested = requested
             & is_in_range(self.friction.abs(), self.inertia_ratio)
-            & self.nut_speed.abs().lt(max_nut_speed)
+            & self.nut_speed.abs().below(MAX_NUT_SPEED)
             & self.can_carry_load();
         let (beginning, steps, found) = self.static_beginning(unloaded, requested);
         let start = self.state_without_inertia(beginning, found);
         let root = self.first(&start, any);
-        let is_accurate =
-            root.at.state.load_parameter.lt(unloaded.constant(MAX_ACCURATE_LOAD_RATIO));
+        let is_accurate = root.at.state.load_parameter.below(MAX_ACCURATE_LOAD_RATIO);
         let (steady, is_first_root) = (root.steady & is_accurate, root.is_first_root & is_accurate);
         SlidingRoot { steps: root.steps + steps, steady, is_first_root, ..root }
     }
@@ -482,7 +478,7 @@ where
     #[inline(always)]
     fn newton_step(&self, x: &Coordinates<F>) -> LaneStep<F, 3> {
         let (q, ball) = (x[0].exp(), self.ball);
-        let (zero, one, infinity) = (q.constant(0.0), q.constant(1.0), q.constant(f64::INFINITY));
+        let (zero, one) = (q.constant(0.0), q.constant(1.0));
         let jets = [Jet::<3, F>::along(q, 0, q), Jet::variable(x[1], 1), Jet::variable(x[2], 2)];
         let (load_excess, square) = ball.nut_cotangent_square(jets);
         let [q, screw, c] = jets;
@@ -502,7 +498,9 @@ where
         let length = step[0].abs().larger((step[1] / by_screw).abs());
         let length = length.larger((step[2] / by_c).abs());
         let load_parameter = state.load_parameter.re;
-        let is_defined = zero.le(square.re) & load_parameter.gt(zero) & load_parameter.lt(infinity);
+        let is_defined = square.re.at_least(0.0)
+            & load_parameter.above(0.0)
+            & load_parameter.below(f64::INFINITY);
         LaneStep { step, length, is_defined }
     }
 }

@@ -62,7 +62,7 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
         let (contacts, steady) = match &self.model {
             LubricatedModel::RacewayControl(case, friction) => {
                 let (contacts, loaded, to_nut) = case.rolling_ball(&mut work.raceway)?;
-                let rules = work.lubricated.both(friction.accuracy());
+                let rules = work.lubricated.rules.oil_and_dry(friction.accuracy());
                 let (_, losses) = friction.losses(&ehl, &contacts, (&loaded, &to_nut), rules);
                 let torque = screw.rolling_torques(contact_power_loss(&losses)).1;
                 (contacts, LubricatedState { loaded, to_nut, losses, torque })

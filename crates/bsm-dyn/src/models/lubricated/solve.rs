@@ -197,7 +197,7 @@ impl LubricatedBall {
         let change =
             Bracket::first_sign_change(begin, places, |kelvin| Ok(surplus_cooling(kelvin)?.0))?;
         let Some(bracket) = change else {
-            let evidence = Evidence::Traced { resolution: TEMPERATURE_STEP };
+            let evidence = Evidence::Scanned { step: TEMPERATURE_STEP };
             let reason = Reason::LubricantRunsAway { max_temperature: MAX_TEMPERATURE };
             return Err(SolveFailure::no_solution(evidence, reason));
         };
@@ -236,7 +236,7 @@ impl LubricatedBall {
                 let creep = RacewayControl::CREEP;
                 let contacts =
                     contacts.with_friction(ehl.friction_scale(&contacts, &loaded, &to_nut, creep));
-                let rules = lubricated.both(friction.accuracy());
+                let rules = lubricated.rules.oil_and_dry(friction.accuracy());
                 let (unit, losses) = friction.losses(&ehl, &contacts, (&loaded, &to_nut), rules);
                 let (_, torque) = screw.rolling_torques(contact_power_loss(&losses));
                 let steady = LubricatedState { loaded, to_nut, losses, torque };

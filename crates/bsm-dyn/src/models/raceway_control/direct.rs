@@ -70,21 +70,19 @@ impl<F: Real> RollingRoot<F> {
     /// (W7).
     #[inline(always)]
     fn selected(ball: &RacewayBall<F>, requested: F::Mask) -> Self {
-        let (zero, one) = (ball.unloaded_cot.constant(0.0), ball.unloaded_cot.constant(1.0));
-        let min_excess = one * MIN_SPIN_EXCESS;
-        let nut = StaticBalance::of(ball, one.mask(true));
-        let screw = StaticBalance::of(ball, one.mask(false));
+        let nut = StaticBalance::of(ball, ball.unloaded_cot.mask(true));
+        let screw = StaticBalance::of(ball, ball.unloaded_cot.mask(false));
 
         // Criterion (W7) is evaluated at the first root with nut control.
         let mut at = nut.start(requested);
         nut.iterate(&mut at);
         let sides = nut.loaded(at.x);
         let excess = ball.nut_excess(&sides);
-        let by_nut = min_excess.lt(excess);
+        let by_nut = excess.above(MIN_SPIN_EXCESS);
         let is_first = nut.is_first(at.x);
         let is_nut_unique = nut.is_unique(requested & at.has_ended & (by_nut | !is_first));
         let mut found = requested & at.has_ended & (is_nut_unique | is_first);
-        found = found & excess.abs().gt(min_excess);
+        found = found & excess.abs().above(MIN_SPIN_EXCESS);
         let is_screw_unique = screw.is_unique(found);
 
         // If the two sides of (W7) are nearly equal, the criterion is also evaluated for the
@@ -94,9 +92,9 @@ impl<F: Real> RollingRoot<F> {
         if F::any(close) {
             let mut other = LaneIterate { has_ended: !close, ..at };
             screw.iterate(&mut other);
-            let on_flanks = zero.lt(other.x[1]);
+            let on_flanks = other.x[1].above(0.0);
             let is_first = is_screw_unique & on_flanks | screw.is_first(other.x);
-            let selects_nut = min_excess.lt(ball.nut_excess(&screw.loaded(other.x)));
+            let selects_nut = ball.nut_excess(&screw.loaded(other.x)).above(MIN_SPIN_EXCESS);
             found = found & (!close | other.has_ended & is_first & selects_nut);
         }
 
@@ -112,7 +110,7 @@ impl<F: Real> RollingRoot<F> {
         // controlling raceway.
         let root = Self::checked(&balance, &at, found, unique);
         let excess = ball.nut_excess(&root.sides);
-        let is_consistent = min_excess.lt(F::select(by_nut, excess, -excess));
+        let is_consistent = F::select(by_nut, excess, -excess).above(MIN_SPIN_EXCESS);
         Self { is_first_root: root.is_first_root & is_consistent, ..root }
     }
 
@@ -127,9 +125,8 @@ impl<F: Real> RollingRoot<F> {
         let (unknowns, steps) = (at.x, at.steps);
         let sides = balance.loaded(unknowns);
         let residual = balance.scaled_residual(unknowns);
-        let min_cot = residual.constant(MIN_COTANGENT);
-        let on_flanks = sides[0].cot.gt(min_cot) & sides[1].cot.gt(min_cot);
-        let is_solved = residual.lt(residual.constant(StaticBalance::<F>::RESIDUAL_TOL));
+        let on_flanks = sides[0].cot.above(MIN_COTANGENT) & sides[1].cot.above(MIN_COTANGENT);
+        let is_solved = residual.below(StaticBalance::<F>::RESIDUAL_TOL);
         let found = found & on_flanks & is_solved;
         Self {
             by_nut: balance.by_nut,

@@ -203,7 +203,7 @@ impl<F: Real> StaticBalance<F> {
             let [a, b] = self.loaded([c, cot]);
             let excess = a.radial_component() + b.radial_component() - self.radial_distance;
             let slope = a.radial_slope() + b.radial_slope();
-            let beyond = excess.gt(zero);
+            let beyond = excess.above(0.0);
             (low, high) = (F::select(beyond, low, cot), F::select(beyond, cot, high));
             let newton = cot - excess / slope;
             let inside = low.le(newton) & newton.le(high);
@@ -233,7 +233,7 @@ impl<F: Real> StaticBalance<F> {
         let (nut, unloaded) = (self.nut_speed, self.unloaded_cot);
         let outwards = F::select(self.by_nut, nut + 1.0, self.lever - nut);
         // μ cosα ρ < 2, where ρ is an upper bound of |P|/W if |P| increases with c        (W17)
-        let mut unique = (self.inertia * outwards).lt(nut.constant(Self::UNIQUE_INERTIA));
+        let mut unique = (self.inertia * outwards).below(Self::UNIQUE_INERTIA);
         let mut bound = self.inertia * outwards.square();
         for _ in 0..MAX_UPPER_BOUND_STEPS {
             if !F::any(requested & !unique) {
@@ -255,7 +255,7 @@ impl<F: Real> StaticBalance<F> {
     /// between the contact angles.
     #[inline(always)]
     pub(super) fn is_first(&self, [c, screw]: [F; STATIC_UNKNOWNS]) -> F::Mask {
-        let (zero, one) = (c.constant(0.0), c.constant(1.0));
+        let one = c.constant(1.0);
         let contacts = self.loaded([c, screw]);
         let p = self.precession(&contacts);
         let ([a, b], rate) = (&contacts, p + self.nut_speed);
@@ -265,8 +265,10 @@ impl<F: Real> StaticBalance<F> {
         let sin_of_difference = b.sin * a.cos - b.cos * a.sin;
         // |∂p/∂cotβ| ≤ sin²β_B [π tan(D/2) + (r_b/d) cosα sinβ_B/(1 + cosD)]  (W15)
         let slope = b.sin.square() * (part * sin_of_difference + self.lever * b.sin) * half;
-        let falls = outwards.le(zero);
-        zero.le(c) & screw.gt(zero) & (falls | (self.inertia * outwards * slope * 2.0).lt(one))
+        let falls = outwards.at_most(0.0);
+        c.at_least(0.0)
+            & screw.above(0.0)
+            & (falls | (self.inertia * outwards * slope * 2.0).below(1.0))
     }
 
     /// Returns the scaled residual of the static balance for given unknowns.

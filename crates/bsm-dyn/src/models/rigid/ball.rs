@@ -300,7 +300,7 @@ impl<F: Real> RigidBall<F> {
         let size = self.inertia_size(rate);
         // D_F = diag(w, w, w, w, 1/M_N, w, w),  w = 1/max(1, μ)           (R10)
         // M_N = ι min(1, |P/W|)                                           (R23)
-        [self.inertia_ratio.larger(one), F::select(rate.abs().lt(one), size * rate.abs(), size)]
+        [self.inertia_ratio.larger(one), F::select(rate.abs().below(1.0), size * rate.abs(), size)]
     }
 
     /// Returns the largest residual of the equations, each divided by the magnitude of its terms.

@@ -91,11 +91,11 @@ impl<F: Real> RigidBall<F> {
         // C = q ι / (f (P/W)²)                                            (R45)
         let multiplicity = load.abs() * inertia_scale / (friction * rate.square());
         let little = inertia_scale.lt(friction * friction * UNIQUE_INERTIA)
-            & friction.lt(self.constant(UNIQUE_MAX_FRICTION));
-        let steep = self.sines.sin_b.gt(self.constant(MIN_STEEP_SINE))
-            & friction.gt(self.constant(UNIQUE_MIN_FRICTION))
-            & multiplicity.lt(self.constant(UNIQUE_MULTIPLICITY));
-        let circles = rate.abs().gt(self.constant(UNIQUE_MIN_RATE));
+            & friction.below(UNIQUE_MAX_FRICTION);
+        let steep = self.sines.sin_b.above(MIN_STEEP_SINE)
+            & friction.above(UNIQUE_MIN_FRICTION)
+            & multiplicity.below(UNIQUE_MULTIPLICITY);
+        let circles = rate.abs().above(UNIQUE_MIN_RATE);
         FirstOrder {
             load,
             unloaded: state.unloaded,
@@ -120,21 +120,20 @@ impl<F: Real> FirstOrder<F> {
     /// Returns true if all contact loads in the first-order solution are positive (compressive).
     #[inline(always)]
     pub(super) fn has_compressive_loads(&self) -> F::Mask {
-        let zero = self.load.constant(0.0);
-        self.load.gt(zero) & self.unloaded.gt(zero)
+        self.load.above(0.0) & self.unloaded.above(0.0)
     }
 
     /// Returns true if the normal load is so small that rounding errors of the load do not affect
     /// the sweeps. The normal load is large near self-locking.
     #[inline(always)]
     pub fn is_accurate(&self) -> F::Mask {
-        self.load.abs().lt(self.load.constant(MAX_SWEEP_LOAD_RATIO))
+        self.load.abs().below(MAX_SWEEP_LOAD_RATIO)
     }
 
     /// Returns true if a root exists according to the first-order solution: all contact loads are
     /// positive and the ball slides on the nut.
     #[inline(always)]
     pub fn root_exists(&self) -> F::Mask {
-        self.has_compressive_loads() & self.slip.gt(self.slip.constant(0.0))
+        self.has_compressive_loads() & self.slip.above(0.0)
     }
 }

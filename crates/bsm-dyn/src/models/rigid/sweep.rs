@@ -80,8 +80,8 @@ impl<F: Real> RigidBall<F> {
         let (zero, one) = (self.constant(0.0), self.constant(1.0));
         // The sign of the spin is the sign of p in (R13).
         let p = self.precession(zero, zero, [self.cos_psi, self.sin_psi], zero);
-        let along = F::select((p + self.nut_speed).gt(zero), one, -one);
-        let along = F::select(self.signed.lt(zero), -along, along);
+        let along = F::select((p + self.nut_speed).above(0.0), one, -one);
+        let along = F::select(self.signed.below(0.0), -along, along);
         Directions {
             nut: zero,
             screw: zero,
@@ -160,7 +160,7 @@ impl<F: Real> RigidBall<F> {
         let across = rolling;
         let along = -s.mul_add(self.sin_2b, gyro.mul_add(self.arc * p, turning * self.cos_2b));
         let norm = dot([across, along], [across, along]).sqrt();
-        let sign = F::select(rate.gt(self.constant(0.0)), norm, -norm).recip();
+        let sign = F::select(rate.above(0.0), norm, -norm).recip();
         // [(|A| − 1) G + (|B| − 1) H]/(2 M)                               (R32)
         let (square_a, square_b) = (tan_a * tan_a, tan_b * tan_b);
         let norms = [(square_a + one).sqrt(), (square_b + one).sqrt()];

@@ -4,6 +4,7 @@
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 
 use bsm_kin::Real;
+use bsm_newton::Convergence;
 
 use super::ball::{RigidBall, RigidMotion, times};
 use super::first_order::FirstOrder;
@@ -13,9 +14,10 @@ use super::sweep::SweepState;
 /// by continuation.
 const MAX_SWEEPS: usize = 64;
 
-/// Maximum number of sweeps for a negative result: if the sweeps become stationary within this
-/// number, but not at a root, this counts as evidence that there is no root. Iterations that need
-/// more sweeps can miss a root.
+/// Sweep count below which stationary sweeps that are not at a root count as evidence that there is
+/// no root. Iterations that need more sweeps can miss a root. The limit was tested with 34 665
+/// random points; at each of them, an independent search for all roots found none (theory 04,
+/// direct sweeps).
 const MAX_SWEEPS_WITHOUT_ROOT: f64 = 24.0;
 
 /// Maximum ratio of inertia force to friction force at which converged sweeps are accepted. The
@@ -28,9 +30,6 @@ const MAX_INERTIA: f64 = 1e4;
 /// Tolerance of the friction directions (dimensionless). The sweeps stop if the estimated remaining
 /// change is below the tolerance.
 const DIRECTION_TOL: f64 = 1e-12;
-
-/// Maximum scaled residual of a root (dimensionless), equal to the tolerance of Newton's method.
-const RESIDUAL_TOL: f64 = 1e-10;
 
 /// Result of the fixed-point iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,12 +52,11 @@ impl<F: Real> RigidBall<F> {
     /// directions are stationary.
     #[inline(always)]
     pub fn sweeps(&self, first: &FirstOrder<F>) -> Sweeps<F> {
-        let one = self.constant(1.0);
         let inertia = first.inertia_scale / self.friction();
-        let guided = first.has_compressive_loads() & inertia.lt(self.constant(MAX_INERTIA));
+        let guided = first.has_compressive_loads() & inertia.below(MAX_INERTIA);
         let (mut directions, mut last) = (first.next, first.change);
         let mut moving = guided;
-        let mut count = one + 1.0;
+        let mut count = self.constant(2.0);
         for _ in 0..MAX_SWEEPS {
             let state = self.sweep(&directions);
             let change = directions.max_change(&state.next);
@@ -67,7 +65,7 @@ impl<F: Real> RigidBall<F> {
             // The changes approximately form a geometric series, so the remaining change is c/(1 −
             // c) times the last change, where c = change/last.
             let converges = (change * change).lt((last - change) * DIRECTION_TOL);
-            moving = moving & !(converges | change.lt(self.constant(f64::EPSILON)));
+            moving = moving & !(converges | change.below(f64::EPSILON));
             last = change;
             if !F::any(moving) {
                 break;
@@ -76,8 +74,8 @@ impl<F: Real> RigidBall<F> {
         let motion = self.swept(&self.sweep(&directions));
         let residual = self.scaled_residual(&motion);
         let ended = guided & !moving;
-        let stationary = ended & count.lt(self.constant(MAX_SWEEPS_WITHOUT_ROOT));
-        let converged = ended & residual.lt(self.constant(RESIDUAL_TOL));
+        let stationary = ended & count.below(MAX_SWEEPS_WITHOUT_ROOT);
+        let converged = ended & residual.below(Convergence::RESIDUAL_TOL);
         Sweeps { motion, residual, count, stationary, converged }
     }
 
@@ -110,8 +108,7 @@ impl<F: Real> RigidMotion<F> {
     /// at A.
     #[inline(always)]
     pub fn is_admissible(&self) -> F::Mask {
-        let zero = self.rate.constant(0.0);
         let [a, unloaded, b] = self.loads;
-        a.gt(zero) & unloaded.gt(zero) & b.gt(zero) & self.speeds[0].gt(zero)
+        a.above(0.0) & unloaded.above(0.0) & b.above(0.0) & self.speeds[0].above(0.0)
     }
 }

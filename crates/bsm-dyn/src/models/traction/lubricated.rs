@@ -11,7 +11,7 @@ use super::equations::{COARSE_ACCURACY, COARSE_RESIDUAL, Lubrication, SEARCH_ACC
 use super::root::{RootWithPower, SlipRoot};
 use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
-use crate::ellipse::FrozenRule;
+use crate::ellipse::{FrozenRule, RulePair};
 use crate::models::ball::{
     EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, SolveFailure, SolveInfo,
     SteadyRoot, Workspace, domain_error, moving_root, to_both,
@@ -115,11 +115,11 @@ impl Traction {
         let TractionWorkspace { newton, rules, .. } = work;
         let [coarse, search] = rules
             .dry([COARSE_ACCURACY, SEARCH_ACCURACY])
-            .map(|[rule, _]| SlipBall::of_contacts(&contacts, rule, creep));
-        let rules = oil.oil.of_oil([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]);
+            .map(|pair| SlipBall::of_contacts(&contacts, &pair.rule, creep));
+        let pairs = oil.rules.of_oil([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]);
         let [rough, smooth, fine] =
-            rules.map(|[rule, _]| SlipBall::of_contacts(&contacts, rule, creep).lubricated(ehl));
-        let [.., [_, check]] = rules;
+            pairs.map(|pair| SlipBall::of_contacts(&contacts, &pair.rule, creep).lubricated(ehl));
+        let [.., RulePair { check, .. }] = pairs;
         let (coarse, rough) = (
             SlipBall { residual_goal: COARSE_RESIDUAL, ..coarse },
             SlipBall { residual_goal: COARSE_RESIDUAL, ..rough },
@@ -169,7 +169,7 @@ impl Traction {
             self.lubricated_root(ehl, work, oil)?;
         let RootWithPower { root, transmitted, loaded, .. } = refined;
         let creep = self.creep * contacts.slip_scale();
-        let [_, dry] = oil.both(self.accuracy);
+        let [_, dry] = oil.rules.oil_and_dry(self.accuracy);
         let ball = SlipBall::of_contacts(&contacts, dry, creep).of(&root);
         let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
         let motions = to_both(&to_nut, &loaded.frame);
@@ -210,7 +210,8 @@ impl<const M: usize> Traction<Jet<M>> {
         let ScaledRoot { contacts, refined: RootWithPower { root, .. }, frozen_rules, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;
         let creep = self.creep * contacts.slip_scale();
-        let (newton, quadrature) = (&mut traction.newton, lubricated.both(self.accuracy)[0]);
+        let [quadrature, _] = lubricated.rules.oil_and_dry(self.accuracy);
+        let newton = &mut traction.newton;
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep).of(&root);
         let system =
             SlipBall { frozen_rules: Some(&frozen_rules), ..ball.lubricated(values).complete(1.0) };

@@ -6,9 +6,9 @@ use bsm_kin::Jet;
 
 use super::equations::SlipBall;
 use super::root::SlipRoot;
-use super::{NotFound, Start, Traction, TractionWorkspace};
+use super::{Traction, TractionWorkspace};
+use crate::ellipse::RulePair;
 use crate::models::ball::{Performance, SolveFailure, domain_error, moving_root};
-use crate::models::raceway_control::RollingBall;
 
 impl<const M: usize> Traction<Jet<M>> {
     /// Returns the efficiency and the torque with their derivatives with respect to the inputs, for
@@ -22,12 +22,8 @@ impl<const M: usize> Traction<Jet<M>> {
         work: &mut TractionWorkspace,
     ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let screw = self.screw.values();
-        screw.point.require_friction()?;
-        let contacts = screw.scaled()?;
-        let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
-        let start = Start::new(&contacts, rolling_ball.ok().as_ref())?;
         let case = Traction { screw, accuracy: self.accuracy, creep: self.creep };
-        let root = case.found(&start, None, work).map_err(NotFound::failure)?.root;
+        let root = case.root(work)?.root;
         self.sensitivities_at(&root, work)
     }
 
@@ -40,11 +36,11 @@ impl<const M: usize> Traction<Jet<M>> {
     ) -> Result<Performance<Jet<M>>, SolveFailure> {
         let (inputs, point) = (self.screw.scaled()?, self.screw.values().scaled()?);
         let TractionWorkspace { newton, rules, .. } = work;
-        let [[quadrature, _]] = rules.dry([self.accuracy]);
+        let [RulePair { rule, .. }] = rules.dry([self.accuracy]);
         let creep = self.creep * point.slip_scale();
         let unknowns = &root.unknowns;
-        let system = SlipBall::of_contacts(&point, quadrature, creep).of(root);
-        let equations = SlipBall::of_contacts(&inputs, quadrature, creep).of(root);
+        let system = SlipBall::of_contacts(&point, rule, creep).of(root);
+        let equations = SlipBall::of_contacts(&inputs, rule, creep).of(root);
         let residual = |y: &_| equations.residual(y);
         let y = moving_root(&system, unknowns, &system.weights(unknowns), residual, newton)?;
         let torque = equations.evaluated(&y).map_err(domain_error)?.torque;

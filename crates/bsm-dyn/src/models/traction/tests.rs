@@ -103,7 +103,7 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
         let Ok(contacts) = screw.scaled() else { continue };
         let solution = solved(screw, &mut work);
         let creep = Traction::CREEP * contacts.slip_scale();
-        let [[quadrature, _]] = work.rules.dry([SEARCH_ACCURACY]);
+        let [RulePair { rule: quadrature, .. }] = work.rules.dry([SEARCH_ACCURACY]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep);
         let steps = solution.steady_state().and_then(|solved| Some(solved.info?.steps));
         let count = match solution.status() {
@@ -173,7 +173,7 @@ fn equations_have_the_same_roots_in_both_sets_of_unknowns() {
         let case = Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         let SlipResult { root, solved, .. } = case.found(&start, None, &mut work).unwrap();
         let creep = Traction::CREEP * contacts.slip_scale();
-        let [[quadrature, _]] = work.rules.dry([Traction::ACCURACY]);
+        let [RulePair { rule: quadrature, .. }] = work.rules.dry([Traction::ACCURACY]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep);
         let loaded = ball.loaded(&root.unknowns).unwrap();
         let converted = SlipBall { uses_nut_angle: true, ..ball };
@@ -264,7 +264,7 @@ fn first_motion_on_the_branch_is_the_reported_motion() {
 #[test]
 fn equations_agree_with_force_and_moment_vectors() {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(5));
-    let [[quadrature, _]] = work.rules.dry([COARSE_ACCURACY]);
+    let [RulePair { rule: quadrature, .. }] = work.rules.dry([COARSE_ACCURACY]);
     let mut seen = [0; 2];
     for number in 0..400 {
         let screw = if number % 4 == 0 {

@@ -267,10 +267,9 @@ impl TrainBall {
         solve: impl FnOnce(&SlipBall<'_>, &mut Workspace) -> R,
     ) -> R {
         let (accuracy, newton) = ([self.accuracy], &mut traction.newton);
-        let ([[dry, _]], [[oil, _]]) =
-            (traction.rules.dry(accuracy), lubricated.oil.of_oil(accuracy));
+        let ([dry], [oil]) = (traction.rules.dry(accuracy), lubricated.rules.of_oil(accuracy));
         let frozen_rules = Default::default();
-        let ball = SlipBall::of_contacts(&self.contacts, dry, self.creep);
+        let ball = SlipBall::of_contacts(&self.contacts, &dry.rule, self.creep);
         let ball = SlipBall {
             frozen_rules: Some(&frozen_rules),
             uses_nut_angle: self.uses_nut_angle,
@@ -281,7 +280,7 @@ impl TrainBall {
             Some(ehl) => {
                 let lubrication = Some(Lubrication { ehl, fraction: 1.0, complete: false });
                 let ball = SlipBall {
-                    quadrature: oil,
+                    quadrature: &oil.rule,
                     residual_goal: LUBRICATED_RESIDUAL_GOAL,
                     lubrication,
                     ..ball
