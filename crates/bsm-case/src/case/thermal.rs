@@ -75,7 +75,7 @@ pub(crate) fn thermal_axis(
     }
     let flow = case.coolant_flow_l_min.map(|flow| {
         let coolant = case.entries.coolant.map_or(Coolant::Water, |Named(coolant)| coolant);
-        coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
+        coolant_conductance(coolant, flow / 6e4, shaft.bore.diameter, shaft.length)
     });
     let constraint = machine.held.map(|held| AxialConstraint {
         stiffness: held.shaft.constraint_stiffness(held.bearing),
