@@ -3,7 +3,7 @@
 use bsm_design::EndFixity;
 use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_nut::thermal::{
-    AxialConstraint, BallLink, Coolant, ScrewBar, Surfaces, Surroundings, ThermalAxis,
+    AxialConstraint, BallLink, Coolant, NutSize, ScrewBar, Surfaces, Surroundings, ThermalAxis,
     coolant_conductance,
 };
 
@@ -89,7 +89,7 @@ pub(crate) fn thermal_axis(
         surfaces: Surfaces {
             diameter: machine.axis.screw.pitch_diameter,
             lead: machine.axis.screw.lead,
-            size: (machine.body.outer, machine.body.length),
+            size: NutSize { outer_diameter: machine.body.outer, length: machine.body.length },
             carriage: case.carriage_area_m2,
             driven: machine.axis.driven,
             link,
