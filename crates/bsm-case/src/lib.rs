@@ -46,7 +46,7 @@ pub use answers::jam::jam;
 pub use answers::manufacturers::{ListNumber, ManufacturerNut, ManufacturerRow, TableColumn};
 pub use answers::motion::MotionAnswer;
 pub use answers::nut::{Columns, NutReport};
-pub use answers::offers::compare_offers;
+pub use answers::offers::{Offer, OfferColumn, compare_offers};
 pub use answers::optimum::optimum;
 pub use answers::ratings::ratings;
 pub use answers::record::{Record, Supplement, reason_of_choice};

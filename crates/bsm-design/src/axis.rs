@@ -8,8 +8,8 @@ use std::f64::consts::TAU;
 use bsm_dyn::DrivenPart;
 
 use crate::{
-    Duty, EndFixity, Life, PERMITTED_STRESS, Phase, PhasePoint, Screw, Shaft, life, life_factor,
-    modified_life, pair_loads, viscosity_ratio,
+    Bore, BucklingSection, Duty, EndFixity, Life, PERMITTED_STRESS, Phase, PhasePoint, Screw,
+    Shaft, life, life_factor, modified_life, pair_loads, viscosity_ratio,
 };
 
 /// Default overrun of the thread at each end, beyond the stroke and the nut, as a multiple of the
@@ -34,11 +34,12 @@ pub struct Mount {
     pub overrun: Option<f64>,
     /// Shaft diameter for bending and buckling \[m\]; defaults to the core diameter of the thread.
     pub diameter: Option<f64>,
-    /// Bore diameter \[m\], and density of the material that fills the bore \[kg/m³\].
-    pub bore: (f64, f64),
-    /// End supports and length \[m\] of the section that may buckle. The end supports default to
-    /// [`EndFixity::of_buckling`], and the length defaults to the length of the shaft.
-    pub buckling: (Option<EndFixity>, Option<f64>),
+    /// Bore of the screw.
+    pub bore: Bore,
+    /// End supports of the section that may buckle; defaults to [`EndFixity::of_buckling`].
+    pub buckling_support: Option<EndFixity>,
+    /// Length of the section that may buckle \[m\]; defaults to the length of the shaft.
+    pub buckling_length: Option<f64>,
 }
 
 impl Mount {
@@ -58,7 +59,7 @@ impl Mount {
     /// Returns true if the load on the screw may be unguided, as in a jack. This is assumed if one
     /// end of the screw is free and no end supports are given for the section that may buckle.
     pub fn may_be_unguided(&self) -> bool {
-        self.support == EndFixity::FixedFree && self.buckling.0.is_none()
+        self.support == EndFixity::FixedFree && self.buckling_support.is_none()
     }
 
     /// Returns the shaft between the bearings, or `None` if its length is not known.
@@ -67,13 +68,14 @@ impl Mount {
     pub fn shaft(&self, screw: &Screw, nut_length: f64, stroke: Option<f64>) -> Option<Shaft> {
         let thread = stroke.map(|stroke| self.thread_length(screw.lead, nut_length, stroke));
         let length = self.length.or(thread)?;
-        let (ends, section) = self.buckling;
-        let buckling = (ends.unwrap_or(self.support.of_buckling()), section.unwrap_or(length));
+        let buckling = BucklingSection {
+            support: self.buckling_support.unwrap_or(self.support.of_buckling()),
+            length: self.buckling_length.unwrap_or(length),
+        };
         Some(Shaft {
             support: self.support,
             length,
-            bore: self.bore.0,
-            coolant: self.bore.1,
+            bore: self.bore,
             buckling,
             diameter: self.diameter.unwrap_or(screw.core),
             youngs_modulus: screw.youngs_modulus,

@@ -221,21 +221,22 @@ mod tests {
             };
             let thread = nut.thread(0.0, (pitch + 2e-3, land));
             let screw = nut.screw(&thread);
-            let (m, j) = screw.mass_and_inertia(0.0, 1.0);
+            let (m, j) = (screw.mass(0.0, 1.0), screw.inertia(0.0, 1.0));
             assert_relative_eq!(m, mass, max_relative = 1e-6);
             assert_relative_eq!(j, inertia, max_relative = 3e-6);
-            let (hollow, turned) = screw.mass_and_inertia(10e-3, 1.0);
+            let (hollow, turned) = (screw.mass(10e-3, 1.0), screw.inertia(10e-3, 1.0));
             let rod = STEEL * 0.25 * PI * 1e-4;
             assert_relative_eq!(m - hollow, rod, max_relative = 1e-12);
             assert_relative_eq!(j - turned, rod * 1e-4 / 8.0, max_relative = 1e-9);
             // The groove of each thread start removes the same amount of material.
-            let (two, _) = Nut { starts: 2.0, ..nut }.screw(&thread).mass_and_inertia(0.0, 1.0);
+            let two = Nut { starts: 2.0, ..nut }.screw(&thread).mass(0.0, 1.0);
             let whole = STEEL * 0.25 * PI * land * land;
             assert_relative_eq!(whole - two, 2.0 * (whole - m), max_relative = 1e-12);
             // If the land is at the root diameter, the groove has zero depth, and the screw is a
             // rod.
             let rod = nut.thread(0.0, (pitch + 2e-3, thread.screw.root));
-            let (m, j) = nut.screw(&rod).mass_and_inertia(0.0, 1.0);
+            let screw = nut.screw(&rod);
+            let (m, j) = (screw.mass(0.0, 1.0), screw.inertia(0.0, 1.0));
             assert_relative_eq!(j, m * thread.screw.root.powi(2) / 8.0, max_relative = 1e-12);
         }
     }

@@ -4,6 +4,33 @@
 /// rounding errors.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
+/// Interval between two numbers, both included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end, at least as large as the lower end.
+    pub high: f64,
+}
+
+impl Range {
+    /// Returns true if a value is in the range. NaN is in no range.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+
+    /// Returns the value at a fraction of the range: the lower end for 0, and the upper end for 1.
+    pub fn at(&self, fraction: f64) -> f64 {
+        self.low + (self.high - self.low) * fraction
+    }
+
+    /// Returns the range in another unit.
+    #[must_use]
+    pub fn map(self, change: impl Fn(f64) -> f64) -> Self {
+        Self { low: change(self.low), high: change(self.high) }
+    }
+}
+
 /// Lower and upper limit of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Bounds {
@@ -11,6 +38,12 @@ pub struct Bounds {
     pub min: Option<f64>,
     /// Upper limit, if there is one.
     pub max: Option<f64>,
+}
+
+impl From<Range> for Bounds {
+    fn from(range: Range) -> Self {
+        Self { min: Some(range.low), max: Some(range.high) }
+    }
 }
 
 impl Bounds {
@@ -22,6 +55,11 @@ impl Bounds {
     /// Creates limits from an optional upper limit.
     pub fn at_most(max: Option<f64>) -> Self {
         Self { min: None, max }
+    }
+
+    /// Returns the range between the limits. The ends of `default` replace missing limits.
+    pub fn range_or(self, default: Range) -> Range {
+        Range { low: self.min.unwrap_or(default.low), high: self.max.unwrap_or(default.high) }
     }
 
     /// Returns the relative violation of the limits. It is zero or negative within the limits, and

@@ -6,7 +6,7 @@ use bsm_dyn::Material;
 use rayon::prelude::*;
 
 use crate::nut::turn_length;
-use crate::{Elasticity, Nut, NutBody, NutSet, Thread};
+use crate::{Elasticity, Nut, NutBody, NutSet, Range, Thread};
 
 /// Number of balls per turn that carry no load because they are inside the ball return.
 pub(crate) const IDLE_BALLS: f64 = 4.0;
@@ -71,8 +71,8 @@ pub struct Limits {
     pub ball_over_lead: f64,
     /// Smallest ratio of ball diameter to lead, for leads up to 10 mm.
     pub least_ball_over_lead: f64,
-    /// Smallest and largest ratio of ball diameter to nominal diameter.
-    pub ball_over_diameter: (f64, f64),
+    /// Range of the ratio of ball diameter to nominal diameter.
+    pub ball_over_diameter: Range,
     /// Upper bound (exclusive) of the ratio of ball diameter to root diameter of the screw.
     pub ball_over_root: f64,
     /// Largest sum of all gaps between the balls of a full turn, divided by the ball diameter; less
@@ -80,10 +80,10 @@ pub struct Limits {
     pub ball_gap: f64,
     /// Axial play of one nut without preload \[m\].
     pub axial_play: f64,
-    /// Smallest and largest number of loaded turns.
-    pub turns: (f64, f64),
-    /// Smallest and largest conformity.
-    pub conformity: (f64, f64),
+    /// Range of the number of loaded turns.
+    pub turns: Range,
+    /// Range of the conformity.
+    pub conformity: Range,
     /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
     /// Preload of the nut pair for which the stiffness is calculated, divided by the dynamic load
@@ -191,17 +191,15 @@ impl Nut {
 impl Limits {
     /// Returns true if a size is within the limits.
     fn allow(&self, size: &Size) -> bool {
-        let within = |(low, high): (f64, f64), value: f64| (low..=high).contains(&value);
         // Rounding errors of sizes in millimeters may push a value slightly over its bound.
         let slack = 1.0 + 1e-12;
-        let (thin, thick) = self.ball_over_diameter;
         size.ball <= self.ball_over_lead * size.lead / size.starts() * slack
             && (size.lead > SHORT_LEAD * slack
                 || size.ball * slack >= self.least_ball_over_lead * size.lead)
-            && size.ball * slack >= thin * size.diameter
-            && size.ball <= thick * size.diameter * slack
-            && within(self.turns, size.turns)
-            && within(self.conformity, size.conformity)
+            && size.ball * slack >= self.ball_over_diameter.low * size.diameter
+            && size.ball <= self.ball_over_diameter.high * size.diameter * slack
+            && self.turns.contains(size.turns)
+            && self.conformity.contains(size.conformity)
     }
 
     /// Returns the nut with the given size together with its calculated properties. Returns `None`
@@ -377,12 +375,12 @@ mod tests {
     const LIMITS: Limits = Limits {
         ball_over_lead: 0.6,
         least_ball_over_lead: 0.0,
-        ball_over_diameter: (0.0, 1.0),
+        ball_over_diameter: Range { low: 0.0, high: 1.0 },
         ball_over_root: 0.5,
         ball_gap: BALL_GAP,
         axial_play: 0.0,
-        turns: (2.0, 6.0),
-        conformity: (0.51, 0.57),
+        turns: Range { low: 2.0, high: 6.0 },
+        conformity: Range { low: 0.51, high: 0.57 },
         material: (STEEL, STEEL),
         preload: crate::PRELOAD,
         rolling_lever: crate::ROLLING_LEVER,

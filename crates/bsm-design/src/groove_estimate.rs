@@ -17,6 +17,7 @@ use rayon::prelude::*;
 
 use self::prior::{RatingFit, unprinted};
 use crate::Nut;
+use crate::drive::GRAVITY;
 use crate::nut::turn_length;
 use crate::statistics::{ln_sum, normal_quantile, quantile};
 
@@ -205,7 +206,7 @@ impl CatalogMistake {
         };
         let with_lead = |factor: f64| CatalogLine { lead: factor * line.lead, ..*line };
         Some(match self {
-            Self::RatingsInKilogramForce => ratings(9.806_65),
+            Self::RatingsInKilogramForce => ratings(GRAVITY),
             Self::RatingsInPoundForce => ratings(4.448_222),
             Self::RatingsSwapped => CatalogLine {
                 dynamic_rating: line.static_rating?,

@@ -56,7 +56,7 @@ mod thread;
 
 pub use axis::{Axis, Mount};
 pub use body::{NutBody, NutSet};
-pub use bounds::Bounds;
+pub use bounds::{Bounds, Range};
 pub use catalog::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
 pub use drive::{
     BRAKE_SAFETY, BackDrivenScrew, BackDriving, DriveTrain, MachineTable, MotorCurve, MotorPoint,
@@ -84,16 +84,16 @@ pub use motion::{
 };
 pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use preload::{PRELOAD_CLASSES, PreloadClass, PreloadMethod, PreloadSize, least_preload};
-pub use procedure::{ActiveLimit, BindingLimit, Infeasibility, Outcome};
+pub use procedure::{ActiveLimit, BindingLimit, Infeasibility, Outcome, RejectedDesigns};
 pub use requirement::{
-    AcceptedBy, Check, Design, DesignQuantity, EfficiencyOf, FixedValues, LoadCase, Objective,
-    Pitch, Ranges, Requirement, Travel,
+    AcceptedBy, Check, Design, DesignQuantity, EfficiencyOf, FixedValues, LoadCase, MotorLimit,
+    Objective, Pitch, Ranges, Rejection, Requirement, Travel,
 };
 pub use runs::SignRuns;
 pub use screw::{Efficiency, Screw, StiffnessAt};
 pub use shaft::{
-    BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, EndFixity, PERMITTED_STRESS, Shaft, lost_motion,
-    natural_frequency, steady_rise, warming_time,
+    BUCKLING_SAFETY, Bore, BucklingSection, CRITICAL_SPEED_RATIO, EndFixity, PERMITTED_STRESS,
+    Shaft, lost_motion, natural_frequency, steady_rise, warming_time,
 };
 pub use statistics::quantile;
 pub use stiffness::{Elasticity, in_series};

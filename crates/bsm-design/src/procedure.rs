@@ -8,14 +8,22 @@ use crate::bounds::ROUNDING;
 use crate::catalog::{IDLE_BALLS, STEP};
 use crate::nut::turn_length;
 use crate::search::{SLACK, Value, minimize};
-use crate::{AcceptedBy, Check, Design, DesignQuantity, EfficiencyOf, Nut, Pitch, Requirement};
+use crate::{
+    AcceptedBy, Check, Design, DesignQuantity, EfficiencyOf, Nut, Pitch, Range, Rejection,
+    Requirement,
+};
 
-/// Smallest number of loaded turns that the search considers, and largest number if no other limit
-/// applies.
-const TURNS: (u32, u32) = (2, 12);
+/// Smallest number of loaded turns that the search considers.
+const MIN_TURNS: u32 = 2;
 
-/// Numbers of intervals in the coarse grid, for contact angle and for conformity.
-const COARSE_GRID: (u32, u32) = (9, 2);
+/// Largest number of loaded turns that the search considers.
+const MAX_TURNS: u32 = 12;
+
+/// Number of intervals of the coarse grid for the contact angle.
+const COARSE_ANGLE_STEPS: u32 = 9;
+
+/// Number of intervals of the coarse grid for the conformity.
+const COARSE_CONFORMITY_STEPS: u32 = 2;
 
 /// Number of candidates from the coarse grid whose contact angle and conformity are optimized.
 const MAX_REFINED: usize = 24;
@@ -68,9 +76,8 @@ pub enum Outcome {
         /// screw just meets. In a search over standard sizes, these are the limits without which a
         /// better screw would be selected.
         active: Vec<BindingLimit>,
-        /// Names of the design rules that better screws violate. These rules depend on the loads of
-        /// all balls.
-        failed_rules: Vec<&'static str>,
+        /// Better screws that the rules based on all ball loads rule out.
+        rejected: RejectedDesigns,
     },
     /// No screw meets the requirement.
     Infeasible {
@@ -79,9 +86,21 @@ pub enum Outcome {
         /// Limits that prevent a solution. A limit prevents a solution if all other limits can be
         /// met after removing it. If no such limit exists, the list contains the limits that
         /// `design` violates. The list is empty if the model gives no efficiency for any screw, or
-        /// if all screws within the limits violate a rule based on all ball loads.
+        /// if the rules based on all ball loads rule out all screws within the limits.
         blocking: Vec<ActiveLimit>,
+        /// Screws within the limits that the rules based on all ball loads rule out.
+        rejected: RejectedDesigns,
     },
+}
+
+/// Designs that meet all limits, but are ruled out by the rules based on the loads of all balls.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RejectedDesigns {
+    /// Names of the violated rules, in alphabetical order and without repetition.
+    pub failed_rules: Vec<&'static str>,
+    /// Reasons why the rules of a design could not be calculated, with one reason per design. The
+    /// reason for the best of these designs comes first.
+    pub not_calculated: Vec<String>,
 }
 
 /// A limit that cannot be met together with the other limits.
@@ -141,13 +160,14 @@ impl Requirement {
             .filter(|design| design.is_feasible() && design.objective(self.objective).is_finite())
             .collect();
         feasible.sort_by(|a, b| value(a).objective.total_cmp(&value(b).objective));
-        let (first, failed_rules) = first_accepted(&feasible, accepted);
+        let Selection { first, rejected } = first_accepted(&feasible, accepted);
         if let Some(design) = first {
             let active = active_constraints(design);
-            return Outcome::Found { design: complete(design.nut), active, failed_rules };
+            return Outcome::Found { design: complete(design.nut), active, rejected };
         }
         if let [best, ..] = feasible[..] {
-            return Outcome::Infeasible { design: complete(best.nut), blocking: Vec::new() };
+            let blocking = Vec::new();
+            return Outcome::Infeasible { design: complete(best.nut), blocking, rejected };
         }
         // The search below identifies the limits that rule out all designs. It needs the efficiency
         // only if the requirements limit the efficiency or the power.
@@ -162,16 +182,16 @@ impl Requirement {
             blocking = design.checks.iter().filter(|check| !check.passes()).map(blocked).collect();
             nut = design.nut;
         }
-        Outcome::Infeasible { design: complete(nut), blocking }
+        Outcome::Infeasible { design: complete(nut), blocking, rejected }
     }
 
     /// Returns the numbers of loaded turns that the search considers.
     fn turns(&self) -> Vec<f64> {
         match self.fixed.turns {
             Some(turns) => vec![turns],
-            None => (TURNS.0..=TURNS.1)
+            None => (MIN_TURNS..=MAX_TURNS)
                 .map(f64::from)
-                .filter(|turns| *turns <= self.searched_turns().max(f64::from(TURNS.0)))
+                .filter(|turns| *turns <= self.searched_turns().max(f64::from(MIN_TURNS)))
                 .collect(),
         }
     }
@@ -181,25 +201,35 @@ impl Requirement {
 /// balls.
 const BATCH_SIZE: usize = 16;
 
-/// Returns the first design that meets the rules based on the loads of all balls, and the names of
-/// the rules that the preceding designs violate. The designs must be in order of preference.
+/// The first design that meets the rules based on the loads of all balls, and the designs before
+/// it.
+pub(crate) struct Selection<'a> {
+    /// The first design that meets the rules, or `None` if no design meets them.
+    pub first: Option<&'a Design>,
+    /// The designs before the first design that meets the rules.
+    pub rejected: RejectedDesigns,
+}
+
+/// Checks designs against the rules based on the loads of all balls until one of them meets the
+/// rules. The designs must be in order of preference.
 pub(crate) fn first_accepted<'a>(
     designs: &[&'a Design],
     accepted: AcceptedBy<'_>,
-) -> (Option<&'a Design>, Vec<&'static str>) {
-    let mut failed_rules = Vec::new();
+) -> Selection<'a> {
+    let mut rejected = RejectedDesigns::default();
     for part in designs.chunks(BATCH_SIZE) {
         let verdicts: Vec<_> = part.par_iter().map(|design| accepted(design)).collect();
         for (design, verdict) in part.iter().zip(verdicts) {
             match verdict {
-                Ok(()) => return (Some(*design), failed_rules),
-                Err(rules) => failed_rules.extend(rules),
+                Ok(()) => return Selection { first: Some(*design), rejected },
+                Err(Rejection::Rules(rules)) => rejected.failed_rules.extend(rules),
+                Err(Rejection::NotCalculated(why)) => rejected.not_calculated.push(why),
             }
-            failed_rules.sort_unstable();
-            failed_rules.dedup();
+            rejected.failed_rules.sort_unstable();
+            rejected.failed_rules.dedup();
         }
     }
-    (None, failed_rules)
+    Selection { first: None, rejected }
 }
 
 /// Returns the limits that the design just meets.
@@ -256,12 +286,10 @@ impl Search<'_> {
     fn variables(&self, free: &[f64]) -> Variables {
         let Requirement { fixed, largest_diameter, ranges, .. } = self.requirement;
         let mut free = free.iter();
-        let mut next = |(low, high): (f64, f64)| {
-            low + (high - low) * free.next().expect("one number per free variable")
-        };
+        let mut next = |range: Range| range.at(*free.next().expect("one number per free variable"));
         let pitch_diameter = fixed.pitch_diameter.unwrap_or_else(|| {
             let largest = largest_diameter.max(2.0 * MIN_PITCH_DIAMETER);
-            next((MIN_PITCH_DIAMETER.ln(), largest.ln())).exp()
+            next(Range { low: MIN_PITCH_DIAMETER, high: largest }.map(f64::ln)).exp()
         });
         let ball =
             fixed.ball.unwrap_or_else(|| next(ranges.searched_ball_over_radius()) * pitch_diameter);
@@ -366,16 +394,18 @@ impl Search<'_> {
     fn exact(&self, turns: &[f64]) -> Vec<Design> {
         let fixed = &self.requirement.fixed;
         let balls = fixed.ball.map_or_else(|| self.requirement.stock.clone(), |ball| vec![ball]);
-        let (slimmest, thickest) = self.requirement.ranges.searched_ball_over_radius();
+        let ball_over_radius = self.requirement.ranges.searched_ball_over_radius();
         let mut nuts = Vec::new();
         for turns in turns {
             for ball in &balls {
                 let any = Variables { ball: *ball, ..self.variables(&[0.5; 4]) };
                 let circle = |pitch_diameter| Variables { pitch_diameter, ..any };
                 let full = |pitch_diameter| (self.balls(&circle(pitch_diameter)) + 1e-9).floor();
+                let fewest = full(ball / ball_over_radius.high);
+                let most = full(ball / ball_over_radius.low) + 1.0;
                 let circles: Vec<_> = match fixed.pitch_diameter {
                     Some(pitch_diameter) => vec![(pitch_diameter, full(pitch_diameter))],
-                    None => whole(full(ball / thickest), full(ball / slimmest) + 1.0)
+                    None => whole(fewest, most)
                         .map(|count| (self.filled_diameter(*ball, count), count))
                         .collect(),
                 };
@@ -422,8 +452,8 @@ impl Search<'_> {
             let last = if free { steps } else { 0 };
             (0..=last).map(move |i| f64::from(i) / f64::from(last.max(1)))
         };
-        let coarse_grid = steps(angle, COARSE_GRID.0).flat_map(|x| {
-            let last = steps(conformity, COARSE_GRID.1);
+        let coarse_grid = steps(angle, COARSE_ANGLE_STEPS).flat_map(|x| {
+            let last = steps(conformity, COARSE_CONFORMITY_STEPS);
             last.map(move |y| [(angle, x), (conformity, y)])
         });
         let coarse_grid = coarse_grid.map(|look| {
@@ -459,7 +489,7 @@ impl Search<'_> {
     /// design.
     fn refined(&self, nut: &Nut) -> Design {
         let [.., angle, conformity] = self.is_free();
-        let share = |(low, high): (f64, f64), value: f64| (value - low) / (high - low);
+        let share = |Range { low, high }: Range, value: f64| (value - low) / (high - low);
         let ranges = &self.requirement.ranges;
         let start = [
             (angle, share(ranges.contact_angle, nut.contact_angle)),
@@ -500,7 +530,7 @@ impl Search<'_> {
     fn without(&self, check: &Check, turns: &[f64]) -> Option<ActiveLimit> {
         let blocked = |best| ActiveLimit { check: *check, cause: Infeasibility::SingleLimit(best) };
         if check.quantity == DesignQuantity::Turns {
-            let more = (TURNS.0..=TURNS.1).map(f64::from).filter(|more| !turns.contains(more));
+            let more = (MIN_TURNS..=MAX_TURNS).map(f64::from).filter(|more| !turns.contains(more));
             let feasible = |turns: &f64| {
                 let any = |at: &Trial| Value { objective: 0.0, ..self.value(at) };
                 let at = self.best_from(&STARTS, &[*turns], any);

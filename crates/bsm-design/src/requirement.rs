@@ -6,17 +6,28 @@ use bsm_dyn::{Direction, DrivenPart, Material, angles::Optimum, hertz::Hertz};
 
 use crate::{
     Axis, Bounds, Candidate, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody,
-    NutSet, Phase, PhasePoint, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors,
-    RequiredLife, Size, phases,
+    NutSet, Phase, PhasePoint, PreloadMethod, PreloadSize, ProfileSegment, Range, RatingFactors,
+    RequiredLife, Size, Thread, phases,
 };
+
+/// Default upper limit of the number of loaded turns.
+///
+/// Source: upper end of the typical range of two to six turns (`docs/theory/11-ratings.md`). With
+/// more turns, the outer turns carry little load, which the load ratings do not take into account.
+const DEFAULT_MAX_TURNS: f64 = 6.0;
 
 /// Load on the screw, specified by the duty cycle of the machine or by a torque.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LoadCase {
     /// Forces and speeds of the phases. The axis must move in at least one phase.
     Cycle(Vec<ProfileSegment>),
-    /// Torque on the screw \[N·m\] and speed of the screw.
-    Torque(f64, DutySpeed),
+    /// A torque on the screw without friction, from which the axial load follows (L1).
+    Torque {
+        /// Torque on the screw \[N·m\].
+        torque: f64,
+        /// Speed of the screw or of the nut.
+        speed: DutySpeed,
+    },
 }
 
 impl LoadCase {
@@ -24,7 +35,7 @@ impl LoadCase {
     fn phases(&self, carriage: &MachineTable, nut: &Nut) -> Vec<Phase> {
         match self {
             Self::Cycle(motions) => phases(motions, carriage, nut.lead),
-            Self::Torque(torque, speed) => {
+            Self::Torque { torque, speed } => {
                 let (radius, speed) = (0.5 * nut.pitch_diameter, speed.speed(nut.lead));
                 // F = M / (r_m tanα)                                      (L1)
                 let load = torque / (radius * nut.lead_angle().tan());
@@ -60,7 +71,8 @@ impl Pitch {
 /// Length of the screw, specified directly or by the stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Travel {
-    /// Length of the screw \[m\].
+    /// Length of the screw \[m\]. The stroke is this length minus the nut length, without overruns.
+    /// Unless the mount specifies the unsupported length, the whole screw is unsupported.
     Screw(f64),
     /// Stroke of the nut \[m\].
     Stroke(f64),
@@ -114,42 +126,46 @@ pub struct FixedValues {
     pub turns: Option<f64>,
 }
 
-/// Permitted ranges of the design quantities (lower and upper limit).
+/// Permitted ranges of the design quantities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ranges {
     /// Contact angle \[rad\].
-    pub contact_angle: (f64, f64),
+    pub contact_angle: Range,
     /// Lower limit of the ratio of pitch circle radius to screw length, if there is a limit.
     pub slimmest: Option<f64>,
-    /// Range of the ratio of ball radius to pitch circle radius; `None` for a missing limit.
-    pub ball_over_radius: (Option<f64>, Option<f64>),
-    /// Range of the ratio of ball radius to groove radius; `None` for a missing limit.
-    pub ball_over_groove: (Option<f64>, Option<f64>),
+    /// Limits of the ratio of ball radius to pitch circle radius.
+    pub ball_over_radius: Bounds,
+    /// Limits of the ratio of ball radius to groove radius.
+    pub ball_over_groove: Bounds,
 }
 
 impl Ranges {
     /// Range of the ratio of ball radius to pitch circle radius in step 5 of Lin's procedure.
-    pub const LIN_BALL_OVER_RADIUS: (f64, f64) = (0.07, 0.2);
+    pub const LIN_BALL_OVER_RADIUS: Range = Range { low: 0.07, high: 0.2 };
 
     /// Range of the ratio of ball radius to groove radius in step 6 of Lin's procedure.
-    pub const LIN_BALL_OVER_GROOVE: (f64, f64) = (0.95, 0.97);
+    pub const LIN_BALL_OVER_GROOVE: Range = Range { low: 0.95, high: 0.97 };
 
     /// Returns the range of the ratio of ball radius to pitch circle radius that a search over
     /// continuous sizes covers.
-    pub(crate) fn searched_ball_over_radius(&self) -> (f64, f64) {
-        searched(self.ball_over_radius, Self::LIN_BALL_OVER_RADIUS)
+    pub(crate) fn searched_ball_over_radius(&self) -> Range {
+        self.ball_over_radius.range_or(Self::LIN_BALL_OVER_RADIUS)
     }
 
     /// Returns the range of the ratio of ball radius to groove radius that a search over continuous
     /// sizes covers.
-    pub(crate) fn searched_ball_over_groove(&self) -> (f64, f64) {
-        searched(self.ball_over_groove, Self::LIN_BALL_OVER_GROOVE)
+    pub(crate) fn searched_ball_over_groove(&self) -> Range {
+        self.ball_over_groove.range_or(Self::LIN_BALL_OVER_GROOVE)
     }
 }
 
-/// Returns the given limits, with missing limits replaced by the limits of Lin's procedure.
-fn searched((low, high): (Option<f64>, Option<f64>), lin: (f64, f64)) -> (f64, f64) {
-    (low.unwrap_or(lin.0), high.unwrap_or(lin.1))
+/// Transmission between motor and screw, with the speed limit of the motor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotorLimit {
+    /// Ratio of motor speed to screw speed, positive.
+    pub gear_ratio: f64,
+    /// Upper limit of the motor speed \[rad/s\]; `None` without a limit.
+    pub max_speed: Option<f64>,
 }
 
 /// All requirements that a screw must meet.
@@ -200,8 +216,8 @@ pub struct Requirement {
     pub make: Make,
     /// Accuracy grade, which limits the length of ground screws.
     pub grade: Option<&'static Grade>,
-    /// Ratio of motor speed to screw speed, and upper limit of the motor speed \[rad/s\].
-    pub motor: (f64, Option<f64>),
+    /// Gear ratio and speed limit of the motor.
+    pub motor: MotorLimit,
     /// Upper limit of the ratio of ball diameter to lead.
     pub ball_over_lead: f64,
     /// Upper limit of the pitch circle diameter \[m\].
@@ -294,6 +310,15 @@ pub struct Check {
 }
 
 impl Check {
+    fn new(step: u8, quantity: DesignQuantity, value: f64, bounds: Bounds) -> Self {
+        Self { step, quantity, value, bounds }
+    }
+
+    /// Creates a quantity without limits.
+    fn unlimited(step: u8, quantity: DesignQuantity, value: f64) -> Self {
+        Self::new(step, quantity, value, Bounds::default())
+    }
+
     /// Returns true if the quantity has no limits or meets them.
     pub fn passes(&self) -> bool {
         self.bounds.are_met_by(self.value)
@@ -312,7 +337,7 @@ impl Requirement {
 
     /// Returns the largest number of loaded turns that a search over continuous sizes tries.
     pub(crate) fn searched_turns(&self) -> f64 {
-        self.largest_turns.unwrap_or(6.0)
+        self.largest_turns.unwrap_or(DEFAULT_MAX_TURNS)
     }
 
     /// Returns a copy of the requirement with an upper limit on the number of loaded turns. If the
@@ -332,10 +357,9 @@ impl Requirement {
     /// these limits.
     #[must_use]
     pub fn of_any_size(&self) -> Self {
-        let both = |(low, high)| (Some(low), Some(high));
         let ranges = Ranges {
-            ball_over_radius: both(self.ranges.searched_ball_over_radius()),
-            ball_over_groove: both(self.ranges.searched_ball_over_groove()),
+            ball_over_radius: self.ranges.searched_ball_over_radius().into(),
+            ball_over_groove: self.ranges.searched_ball_over_groove().into(),
             ..self.ranges
         };
         Self { ranges, largest_turns: Some(self.searched_turns()), ..self.clone() }
@@ -351,7 +375,7 @@ impl Requirement {
         let required = self.life.zip(life.as_ref());
         let required = required.map(|(required, life)| required.time(lead, life.mean_speed));
         let (most, least) = (Bounds::at_most, Bounds::at_least);
-        let rule = |quantity, value, bounds| Check { step: 11, quantity, value, bounds };
+        let rule = |quantity, value, bounds| Check::new(11, quantity, value, bounds);
         let mut rules = vec![
             rule(DesignQuantity::DynamicRating, calculated, Bounds::default()),
             // C_a ≥ F_m                                                   (L10)
@@ -401,34 +425,49 @@ pub struct Design {
 /// model has no solution.
 pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &PhasePoint) -> Option<f64> + Sync);
 
-/// Function that checks a design against the rules that depend on the loads of all balls. Its error
-/// contains the names of violated rules.
-pub type AcceptedBy<'a> = &'a (dyn Fn(&Design) -> Result<(), Vec<&'static str>> + Sync);
+/// Reason why a design does not meet the rules that depend on the loads of all balls.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Rejection {
+    /// The design violates the rules with these names.
+    Rules(Vec<&'static str>),
+    /// The rules could not be calculated. The text states the reason.
+    NotCalculated(String),
+}
 
-impl Design {
-    /// Calculates the quantities (L1) to (L10) of a nut. Without `efficiency`, efficiency and power
-    /// are NaN.
-    ///
-    /// Source: procedure of Lin, Velinsky and Ravani (1994) for both directions, extended by load
-    /// rating and life according to ISO 3408-5.
-    #[expect(
-        clippy::too_many_lines,
-        reason = "the function contains the steps of the procedure in order"
-    )]
-    pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
-        let Requirement { direction, friction, ranges, .. } = *requirement;
-        let (lead, beta) = (nut.lead_angle(), nut.contact_angle);
-        let (radius, ball) = (0.5 * nut.pitch_diameter, 0.5 * nut.ball_diameter);
+/// Function that checks a design against the rules that depend on the loads of all balls.
+pub type AcceptedBy<'a> = &'a (dyn Fn(&Design) -> Result<(), Rejection> + Sync);
+
+/// A nut in the axis of a requirement, with the loads and motions of the requirement.
+struct Evaluated {
+    nut: Nut,
+    body: NutBody,
+    thread: Thread,
+    axis: Axis,
+    /// Operating point with the largest load among the phases with motion.
+    phase: PhasePoint,
+    /// Length of the screw \[m\], or NaN if it is not known.
+    length: f64,
+    /// Stroke of the nut \[m\].
+    stroke: f64,
+    /// Calculated dynamic load rating without modifying factors \[N\].
+    dynamic_rating: f64,
+}
+
+impl Evaluated {
+    fn of(requirement: &Requirement, nut: Nut) -> Self {
         let method = requirement.preload.map(|_| requirement.method);
         let body = NutBody::usual(&nut, NutSet::of(method, requirement.nut_gap));
         let thread = nut.thread(0.0, nut.usual_lands());
-        let phases = requirement.demand.phases(&requirement.carriage, &nut);
-        let (screw, dynamic) = (nut.screw(&thread), nut.dynamic_rating().rating);
+        let (screw, dynamic_rating) = (nut.screw(&thread), nut.dynamic_rating().rating);
+        let mut mount = requirement.mount;
         let stroke = match requirement.travel {
-            Travel::Screw(length) => length - body.length,
+            Travel::Screw(length) => {
+                mount.length = mount.length.or(Some(length));
+                length - body.length
+            }
             Travel::Stroke(stroke) => stroke,
         };
-        let shaft = requirement.mount.shaft(&screw, body.length, Some(stroke));
+        let shaft = mount.shaft(&screw, body.length, Some(stroke));
         let length = match requirement.travel {
             Travel::Screw(length) => length,
             Travel::Stroke(_) => shaft.map_or(f64::NAN, |shaft| shaft.length),
@@ -436,8 +475,8 @@ impl Design {
         let mut axis = Axis {
             screw,
             shaft,
-            phases,
-            dynamic_rating: requirement.factors.dynamic_rating * dynamic,
+            phases: requirement.demand.phases(&requirement.carriage, &nut),
+            dynamic_rating: requirement.factors.dynamic_rating * dynamic_rating,
             static_rating: requirement.factors.static_rating * nut.static_rating().rating,
             preload: None,
             driven: requirement.driven,
@@ -447,103 +486,185 @@ impl Design {
         let force = |preload: PreloadSize| preload.force(axis.largest_load(), axis.dynamic_rating);
         axis.preload = requirement.preload.map(force);
         let phase = axis.heaviest_moving().unwrap_or(PhasePoint::REST);
-        let (largest, speed) = (axis.largest_load(), phase.speed.abs());
-        let balls = nut.balls_per_turn * nut.turns;
+        Self { nut, body, thread, axis, phase, length, stroke, dynamic_rating }
+    }
+
+    /// Returns the travel of the nut per radian of screw rotation \[m\].
+    fn travel_per_radian(&self) -> f64 {
+        0.5 * self.nut.pitch_diameter * self.nut.lead_angle().tan()
+    }
+
+    /// Returns the speed of the nut along the screw \[m/s\] (L6).
+    fn advance(&self) -> f64 {
+        // v = r_m tanα W                                                  (L6)
+        self.travel_per_radian() * self.phase.speed.abs()
+    }
+
+    /// Returns the normal load of a ball with equal load sharing \[N\] (L2).
+    fn normal_load(&self) -> f64 {
+        let balls = self.nut.balls_per_turn * self.nut.turns;
         // Q = F_a / (Z cosα sinβ)                                         (L2)
-        let normal = axis.larger_nut_load() / (balls * lead.cos() * beta.sin());
-        let hertz = nut.hertz().ok();
+        self.axis.larger_nut_load()
+            / (balls * self.nut.lead_angle().cos() * self.nut.contact_angle.sin())
+    }
+
+    /// Returns the quantities of steps 1 to 7, which describe the geometry of the screw and its
+    /// largest loads.
+    fn geometry_checks(&self, requirement: &Requirement) -> Vec<Check> {
+        let Requirement { direction, friction, ranges, .. } = *requirement;
+        let Self { nut, axis, length, .. } = self;
+        let (lead, beta) = (nut.lead_angle(), nut.contact_angle);
+        let (radius, ball) = (0.5 * nut.pitch_diameter, 0.5 * nut.ball_diameter);
+        let best = Optimum::of(direction, lead, friction);
+        let best = best.map_or(f64::NAN, |best| best.contact_angle);
+        let most = requirement.largest_turns.filter(|_| requirement.fixed.turns.is_none());
+        vec![
+            Check::unlimited(1, DesignQuantity::LeadAngle, lead),
+            Check::unlimited(2, DesignQuantity::BestContactAngle, best),
+            Check::new(2, DesignQuantity::ContactAngle, beta, ranges.contact_angle.into()),
+            Check::unlimited(3, DesignQuantity::ScrewLength, *length),
+            // r_m ≥ l/60                                                  (L3)
+            Check::new(
+                4,
+                DesignQuantity::RadiusOverLength,
+                radius / length,
+                Bounds::at_least(ranges.slimmest),
+            ),
+            Check::new(
+                4,
+                DesignQuantity::PitchDiameter,
+                nut.pitch_diameter,
+                Bounds::at_most(Some(requirement.largest_diameter)),
+            ),
+            // 0.07 ≤ r_b/r_m ≤ 0.2                                        (L4)
+            Check::new(5, DesignQuantity::BallOverRadius, ball / radius, ranges.ball_over_radius),
+            Check::new(
+                5,
+                DesignQuantity::BallOverLead,
+                nut.ball_diameter / nut.pitch(),
+                Bounds::at_most(Some(requirement.ball_over_lead)),
+            ),
+            // 0.95 ≤ r_b/r_2 ≤ 0.97,  r_2 = 2 f r_b                       (L5)
+            Check::new(
+                6,
+                DesignQuantity::BallOverGroove,
+                0.5 / nut.conformity.0,
+                ranges.ball_over_groove,
+            ),
+            Check::unlimited(6, DesignQuantity::Conformity, nut.conformity.0),
+            Check::new(7, DesignQuantity::Turns, nut.turns, Bounds::at_most(most)),
+            Check::new(
+                7,
+                DesignQuantity::LargestLoad,
+                axis.largest_load(),
+                Bounds::at_most(axis.yield_load()),
+            ),
+            Check::unlimited(7, DesignQuantity::NormalLoad, self.normal_load()),
+        ]
+    }
+
+    /// Returns the quantities of step 8, which describe the motion of the nut.
+    fn motion_checks(&self, requirement: &Requirement) -> Vec<Check> {
+        let Self { nut, thread, axis, stroke, .. } = self;
+        // s = r_m tanα φ                                                  (L7)
+        let lead = self.travel_per_radian() * TAU;
+        let most = requirement
+            .speed_number
+            .unwrap_or_else(|| requirement.make.speed_number(nut.lead, thread.screw.land));
+        let MotorLimit { gear_ratio, max_speed } = requirement.motor;
+        vec![
+            Check::unlimited(8, DesignQuantity::Lead, lead),
+            Check::unlimited(8, DesignQuantity::Stroke, *stroke),
+            Check::unlimited(8, DesignQuantity::StrokeTurns, stroke / lead),
+            Check::unlimited(8, DesignQuantity::Advance, self.advance()),
+            Check::new(
+                8,
+                DesignQuantity::SpeedNumber,
+                axis.speed_number(),
+                Bounds::at_most(Some(most)),
+            ),
+            Check::new(
+                8,
+                DesignQuantity::MotorSpeed,
+                gear_ratio * axis.fastest(),
+                Bounds::at_most(max_speed),
+            ),
+        ]
+    }
+
+    /// Returns the quantities of steps 9 and 10, which describe the contacts and the power.
+    fn contact_and_power_checks(&self, requirement: &Requirement, efficiency: f64) -> Vec<Check> {
+        let Self { nut, thread, phase, .. } = self;
+        let (normal, hertz) = (self.normal_load(), nut.hertz().ok());
         let pressed = |number: &dyn Fn(&Hertz) -> f64| match &hertz {
             Some(both) => both.each_ref().map(number),
             None => [f64::NAN; 2],
         };
-        let pressures = pressed(&|hertz| hertz.max_pressure(normal));
+        let [at_nut, at_screw] = pressed(&|hertz| hertz.max_pressure(normal));
         let semi_axes = pressed(&|hertz| hertz.semi_axes(normal).0);
-        let best = Optimum::of(direction, lead, friction);
-        let mut checks = Vec::new();
-        let mut add = |step, quantity, value, min, max| {
-            checks.push(Check { step, quantity, value, bounds: Bounds { min, max } });
-        };
-        add(1, DesignQuantity::LeadAngle, lead, None, None);
-        let best = best.map_or(f64::NAN, |best| best.contact_angle);
-        add(2, DesignQuantity::BestContactAngle, best, None, None);
-        let (low, high) = ranges.contact_angle;
-        add(2, DesignQuantity::ContactAngle, beta, Some(low), Some(high));
-        add(3, DesignQuantity::ScrewLength, length, None, None);
-        // r_m ≥ l/60                                                      (L3)
-        add(4, DesignQuantity::RadiusOverLength, radius / length, ranges.slimmest, None);
-        add(
-            4,
-            DesignQuantity::PitchDiameter,
-            nut.pitch_diameter,
-            None,
-            Some(requirement.largest_diameter),
-        );
-        // 0.07 ≤ r_b/r_m ≤ 0.2                                            (L4)
-        let (low, high) = ranges.ball_over_radius;
-        add(5, DesignQuantity::BallOverRadius, ball / radius, low, high);
-        let over_lead = Some(requirement.ball_over_lead);
-        add(5, DesignQuantity::BallOverLead, nut.ball_diameter / nut.pitch(), None, over_lead);
-        // 0.95 ≤ r_b/r_2 ≤ 0.97,  r_2 = 2 f r_b                           (L5)
-        let (low, high) = ranges.ball_over_groove;
-        let in_groove = 0.5 / nut.conformity.0;
-        add(6, DesignQuantity::BallOverGroove, in_groove, low, high);
-        add(6, DesignQuantity::Conformity, nut.conformity.0, None, None);
-        let most = requirement.largest_turns.filter(|_| requirement.fixed.turns.is_none());
-        add(7, DesignQuantity::Turns, nut.turns, None, most);
-        add(7, DesignQuantity::LargestLoad, largest, None, axis.yield_load());
-        add(7, DesignQuantity::NormalLoad, normal, None, None);
-        // s = r_m tanα φ                                                  (L7)
-        let per_radian = radius * lead.tan();
-        add(8, DesignQuantity::Lead, per_radian * TAU, None, None);
-        add(8, DesignQuantity::Stroke, stroke, None, None);
-        add(8, DesignQuantity::StrokeTurns, stroke / (per_radian * TAU), None, None);
-        // v = r_m tanα W                                                  (L6)
-        let advance = per_radian * speed;
-        add(8, DesignQuantity::Advance, advance, None, None);
-        let number = axis.speed_number();
-        let most = requirement
-            .speed_number
-            .unwrap_or_else(|| requirement.make.speed_number(nut.lead, thread.screw.land));
-        add(8, DesignQuantity::SpeedNumber, number, None, Some(most));
-        let (ratio, fastest) = requirement.motor;
-        add(8, DesignQuantity::MotorSpeed, ratio * axis.fastest(), None, fastest);
-        for (quantity, pressure) in
-            [DesignQuantity::NutPressure, DesignQuantity::ScrewPressure].into_iter().zip(pressures)
-        {
-            add(9, quantity, pressure, None, Some(requirement.pressure));
-        }
+        let pressure = Bounds::at_most(Some(requirement.pressure));
         // β + a/R ≤ θ                                                     (L9)
-        let end = beta + semi_axes[0].max(semi_axes[1]) / thread.nut.radius;
-        add(9, DesignQuantity::EllipseEnd, end, None, Some(thread.nut.edge));
-        let efficiency = efficiency.and_then(|of| of(&nut, &phase)).unwrap_or(f64::NAN);
-        add(10, DesignQuantity::Efficiency, efficiency, requirement.least_efficiency, None);
+        let end = nut.contact_angle + semi_axes[0].max(semi_axes[1]) / thread.nut.radius;
         // P_out = η P_in; F_a v is the power at the nut                   (L8)
-        let at_nut = phase.load.abs() * advance;
-        let (input, output) = match direction {
-            Direction::RotaryToLinear => (at_nut / efficiency, at_nut),
-            Direction::LinearToRotary => (at_nut, at_nut * efficiency),
+        let nut_power = phase.load.abs() * self.advance();
+        let (input, output) = match requirement.direction {
+            Direction::RotaryToLinear => (nut_power / efficiency, nut_power),
+            Direction::LinearToRotary => (nut_power, nut_power * efficiency),
         };
-        add(10, DesignQuantity::InputPower, input, None, requirement.largest_power);
-        add(10, DesignQuantity::OutputPower, output, None, None);
-        for Check { step, quantity, value, bounds } in requirement.rules(&axis, dynamic) {
-            add(step, quantity, value, bounds.min, bounds.max);
-        }
-        let longest = requirement.make.longest(requirement.grade, screw.outer);
-        if let Some(shaft) = &axis.shaft {
-            add(11, DesignQuantity::UnsupportedLength, shaft.length, None, longest);
-        }
-        let inertia = axis
-            .shaft
-            .as_ref()
-            .map_or(f64::NAN, |shaft| screw.mass_and_inertia(shaft.bore, shaft.length).1);
-        add(11, DesignQuantity::Inertia, inertia, None, None);
-        add(
-            11,
-            DesignQuantity::Mass,
-            body.mass(&nut, &thread) + screw.mass_and_inertia(requirement.mount.bore.0, length).0,
-            None,
-            None,
-        );
+        vec![
+            Check::new(9, DesignQuantity::NutPressure, at_nut, pressure),
+            Check::new(9, DesignQuantity::ScrewPressure, at_screw, pressure),
+            Check::new(9, DesignQuantity::EllipseEnd, end, Bounds::at_most(Some(thread.nut.edge))),
+            Check::new(
+                10,
+                DesignQuantity::Efficiency,
+                efficiency,
+                Bounds::at_least(requirement.least_efficiency),
+            ),
+            Check::new(
+                10,
+                DesignQuantity::InputPower,
+                input,
+                Bounds::at_most(requirement.largest_power),
+            ),
+            Check::unlimited(10, DesignQuantity::OutputPower, output),
+        ]
+    }
+
+    /// Returns the unsupported length, the inertia and the mass, which follow from the length of
+    /// the screw.
+    fn size_checks(&self, requirement: &Requirement) -> Vec<Check> {
+        let Self { nut, body, thread, axis, length, .. } = self;
+        let (screw, shaft) = (&axis.screw, axis.shaft.as_ref());
+        let longest = Bounds::at_most(requirement.make.longest(requirement.grade, screw.outer));
+        let unsupported = shaft
+            .map(|shaft| Check::new(11, DesignQuantity::UnsupportedLength, shaft.length, longest));
+        let inertia =
+            shaft.map_or(f64::NAN, |shaft| screw.inertia(shaft.bore.diameter, shaft.length));
+        let bore = requirement.mount.bore.diameter;
+        let mass = body.mass(nut, thread) + screw.mass(bore, *length);
+        let mut checks = Vec::from_iter(unsupported);
+        checks.push(Check::unlimited(11, DesignQuantity::Inertia, inertia));
+        checks.push(Check::unlimited(11, DesignQuantity::Mass, mass));
+        checks
+    }
+}
+
+impl Design {
+    /// Calculates the quantities (L1) to (L10) of a nut. Without `efficiency`, efficiency and power
+    /// are NaN.
+    ///
+    /// Source: procedure of Lin, Velinsky and Ravani (1994) for both directions, extended by load
+    /// rating and life according to ISO 3408-5.
+    pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
+        let evaluated = Evaluated::of(requirement, nut);
+        let phase = evaluated.phase;
+        let efficiency = efficiency.and_then(|of| of(&nut, &phase)).unwrap_or(f64::NAN);
+        let mut checks = evaluated.geometry_checks(requirement);
+        checks.extend(evaluated.motion_checks(requirement));
+        checks.extend(evaluated.contact_and_power_checks(requirement, efficiency));
+        checks.extend(requirement.rules(&evaluated.axis, evaluated.dynamic_rating));
+        checks.extend(evaluated.size_checks(requirement));
         Self { nut, size: None, phase, checks }
     }
 

@@ -32,14 +32,16 @@ impl Screw {
         (self.lead / (PI * self.pitch_diameter)).atan()
     }
 
-    /// Returns the mass \[kg\] and the moment of inertia about the axis \[kg·m²\] of a screw with
-    /// the given length and bore diameter \[m\].
-    pub fn mass_and_inertia(&self, bore: f64, length: f64) -> (f64, f64) {
-        let missing = 0.25 * PI * STEEL * bore.powi(2);
-        (
-            (self.mass_per_length - missing) * length,
-            (self.inertia_per_length - missing * bore.powi(2) / 8.0) * length,
-        )
+    /// Returns the mass \[kg\] of a screw with the given bore diameter and length \[m\].
+    pub fn mass(&self, bore: f64, length: f64) -> f64 {
+        (self.mass_per_length - bore_mass_per_length(bore)) * length
+    }
+
+    /// Returns the moment of inertia about the axis \[kg·m²\] of a screw with the given bore
+    /// diameter and length \[m\].
+    pub fn inertia(&self, bore: f64, length: f64) -> f64 {
+        let missing = bore_mass_per_length(bore) * bore.powi(2) / 8.0;
+        (self.inertia_per_length - missing) * length
     }
 
     /// Returns the typical core diameter \[m\] of a screw if the catalog does not state the core
@@ -66,6 +68,11 @@ impl Screw {
         // m′ = ρ π/4 d_m²,  d_m = d₃ + 0.46 (d₀ − d₃)                     (Z31)
         0.25 * STEEL * PI * (core + 0.46 * (nominal - core)).powi(2)
     }
+}
+
+/// Returns the mass per meter \[kg/m\] that a bore of the given diameter \[m\] removes.
+fn bore_mass_per_length(bore: f64) -> f64 {
+    0.25 * PI * STEEL * bore.powi(2)
 }
 
 /// Efficiencies that a catalog states for all screw sizes.

@@ -8,6 +8,8 @@ use argmin::solver::brent::BrentOpt;
 use argmin::solver::neldermead::NelderMead;
 use bsm_newton::{Bracket, RootResult};
 
+use crate::Range;
+
 pub use argmin::core::Error as SearchError;
 
 /// Adapter that implements the cost function interface of argmin for a closure.
@@ -89,9 +91,9 @@ pub struct SignChanges {
     pub roots: Vec<SignChange>,
     /// Locations at which the function jumps from one sign to the other, in ascending order.
     pub jumps: Vec<f64>,
-    /// Smallest and largest value at the grid points; `None` if the function is not defined at any
-    /// grid point.
-    pub values: Option<(f64, f64)>,
+    /// Range of the values at the grid points; `None` if the function is not defined at any grid
+    /// point.
+    pub values: Option<Range>,
     /// Fraction of the grid points at which the function is defined.
     pub share: f64,
 }
@@ -103,7 +105,7 @@ pub struct SignChanges {
 /// Returns the first error that `function` returns.
 pub fn sign_changes<E: Into<SearchError>>(
     function: impl Fn(f64) -> Result<f64, E>,
-    range: (f64, f64),
+    range: Range,
 ) -> Result<SignChanges, E> {
     let points: Vec<_> =
         (0..=CROSSING_STEPS).map(|i| grid_point(range, i, CROSSING_STEPS)).collect();
@@ -134,10 +136,13 @@ pub fn sign_changes<E: Into<SearchError>>(
         roots.push(SignChange { at, slope: slope_at(&function, at, x[1] - x[0], range)? });
     }
     let known: Vec<_> = values.iter().copied().filter(|v| v.is_finite()).collect();
-    let least = known.iter().copied().reduce(f64::min);
+    let values = known
+        .iter()
+        .map(|value| Range { low: *value, high: *value })
+        .reduce(|all, one| Range { low: all.low.min(one.low), high: all.high.max(one.high) });
     #[expect(clippy::cast_precision_loss, reason = "a few points")]
     let share = known.len() as f64 / points.len() as f64;
-    Ok(SignChanges { roots, jumps, values: least.zip(known.into_iter().reduce(f64::max)), share })
+    Ok(SignChanges { roots, jumps, values, share })
 }
 
 /// Returns the derivative of a function at a root, calculated as a difference quotient. At an end
@@ -149,45 +154,53 @@ fn slope_at<E>(
     function: impl Fn(f64) -> Result<f64, E>,
     at: f64,
     width: f64,
-    (low, high): (f64, f64),
+    range: Range,
 ) -> Result<f64, E> {
     let step = 1e-4 * at.abs().max(width);
-    let ends = [(at - step).max(low), (at + step).min(high)];
+    let ends = [(at - step).max(range.low), (at + step).min(range.high)];
     Ok((function(ends[1])? - function(ends[0])?) / (ends[1] - ends[0]))
 }
 
 /// Returns grid point `i` of `steps`. If the range is positive, the grid points form a geometric
 /// progression; otherwise, they are equidistant.
-pub fn grid_point((low, high): (f64, f64), i: u32, steps: u32) -> f64 {
+pub fn grid_point(range: Range, i: u32, steps: u32) -> f64 {
     let share = f64::from(i) / f64::from(steps);
     if i == steps {
-        high
-    } else if low > 0.0 {
-        low * (high / low).powf(share)
+        range.high
+    } else if range.low > 0.0 {
+        range.low * (range.high / range.low).powf(share)
     } else {
-        low + (high - low) * share
+        range.at(share)
     }
 }
 
-/// Evaluates `function` on a grid and refines the smallest value. Returns the location of the
-/// minimum and its value. Returns `None` if the function is not defined at any grid point, or if
-/// the smallest value is at an end of the range.
+/// Location and value of a minimum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Minimum {
+    /// Location of the minimum.
+    pub at: f64,
+    /// Value of the function at the minimum.
+    pub value: f64,
+}
+
+/// Evaluates `function` on a grid and refines the smallest value. Returns `None` if the function is
+/// not defined at any grid point, or if the smallest value is at an end of the range.
 ///
 /// # Errors
 ///
 /// Returns the first error of `function`.
 pub fn minimum_inside<E: Into<SearchError>>(
     function: impl Fn(f64) -> Result<f64, E>,
-    (low, high): (f64, f64),
-) -> Result<Option<(f64, f64)>, E> {
+    range: Range,
+) -> Result<Option<Minimum>, E> {
     let value = |x: f64| function(x).map(|v| if v.is_nan() { f64::MAX } else { v });
-    let step = (high - low) / f64::from(MINIMUM_STEPS);
-    let points: Vec<_> = (0..=MINIMUM_STEPS).map(|i| low + step * f64::from(i)).collect();
+    let step = (range.high - range.low) / f64::from(MINIMUM_STEPS);
+    let points: Vec<_> = (0..=MINIMUM_STEPS).map(|i| range.low + step * f64::from(i)).collect();
     let values = points.iter().map(|x| value(*x)).collect::<Result<Vec<_>, _>>()?;
     let least = (0..points.len()).min_by(|i, j| values[*i].total_cmp(&values[*j]));
     let inside = least.filter(|i| (1..points.len() - 1).contains(i) && values[*i] < f64::MAX);
     let found = inside.and_then(|i| minimum_of(value, points[i - 1], points[i + 1]).ok());
-    found.map(|x| Ok((x, value(x)?))).transpose()
+    found.map(|at| Ok(Minimum { at, value: value(at)? })).transpose()
 }
 
 /// Objective and constraints of an optimization problem at one point.
@@ -299,7 +312,7 @@ mod tests {
     #[test]
     fn root_search_finds_all_sign_changes() {
         let sine = |x: f64| Ok::<_, SearchError>(x.sin());
-        let all = sign_changes(sine, (-1.0, 7.0)).expect("a sine");
+        let all = sign_changes(sine, Range { low: -1.0, high: 7.0 }).expect("a sine");
         // Roots are refined to 1e-10 of the interval. The error of the derivative is of the order
         // of the squared step.
         let near = |root: &SignChange, at: f64, slope: f64| {
@@ -309,13 +322,15 @@ mod tests {
         assert!(all.roots.len() == 3, "{all:?}");
         assert!(all.roots.iter().zip(expected).all(|(r, (x, s))| near(r, x, s)), "{all:?}");
         assert!(
-            all.share >= 1.0 && all.values.is_some_and(|(low, high)| low < -0.99 && high > 0.99)
+            all.share >= 1.0
+                && all.values.is_some_and(|range| range.low < -0.99 && range.high > 0.99)
         );
         let part = |x: f64| sine(if x > 4.0 { f64::NAN } else { x });
-        let part = sign_changes(part, (1.0, 7.0)).expect("a sine");
+        let part = sign_changes(part, Range { low: 1.0, high: 7.0 }).expect("a sine");
         assert!(part.roots.len() == 1 && near(&part.roots[0], PI, -1.0), "{part:?}");
         assert!((0.5..0.8).contains(&part.share), "{part:?}");
-        let none = sign_changes(|_| sine(f64::NAN), (1.0, 7.0)).expect("no value");
+        let none =
+            sign_changes(|_| sine(f64::NAN), Range { low: 1.0, high: 7.0 }).expect("no value");
         assert_eq!(
             none,
             SignChanges { roots: Vec::new(), jumps: Vec::new(), values: None, share: 0.0 }
@@ -329,7 +344,7 @@ mod tests {
             let inside = (1.0..=4.0).contains(&x);
             Ok::<_, SearchError>(if inside { (x - 1.0) * (4.0 - x) } else { f64::NAN })
         };
-        let found = sign_changes(parabola, (1.0, 4.0)).expect("a parabola");
+        let found = sign_changes(parabola, Range { low: 1.0, high: 4.0 }).expect("a parabola");
         let expected = [(1.0, 3.0), (4.0, -3.0)];
         assert!(found.roots.len() == 2 && found.jumps.is_empty(), "{found:?}");
         for (root, (at, slope)) in found.roots.iter().zip(expected) {
@@ -339,7 +354,7 @@ mod tests {
             assert!((root.slope - slope).abs() < 1.1e-4 * at, "{found:?}");
         }
         let line = |x: f64| Ok::<_, SearchError>(2.0 * x);
-        let found = sign_changes(line, (0.0, 4.0)).expect("a line");
+        let found = sign_changes(line, Range { low: 0.0, high: 4.0 }).expect("a line");
         assert!(found.roots.len() == 1 && found.roots[0].at == 0.0, "{found:?}");
         assert!((found.roots[0].slope - 2.0).abs() < 1e-12, "{found:?}");
     }
@@ -349,15 +364,15 @@ mod tests {
     #[test]
     fn a_jump_across_zero_does_not_count_as_a_root() {
         let step = |x: f64| Ok::<_, SearchError>(if x < 3.0 { -1.0 } else { 2.0 });
-        let found = sign_changes(step, (1.0, 7.0)).expect("values");
+        let found = sign_changes(step, Range { low: 1.0, high: 7.0 }).expect("values");
         assert!(found.roots.is_empty(), "{found:?}");
         // The jump is located to the tolerance of the root finder.
         assert!(found.jumps.len() == 1 && (found.jumps[0] - 3.0).abs() < 1e-9, "{found:?}");
         let sign = |x: f64| Ok::<_, SearchError>(if x < 0.0 { -1.0 } else { 2.0 });
-        let found = sign_changes(sign, (-1.0, 7.1)).expect("values");
+        let found = sign_changes(sign, Range { low: -1.0, high: 7.1 }).expect("values");
         assert!(found.roots.is_empty() && found.jumps.len() == 1, "{found:?}");
         let ramp = |x: f64| Ok::<_, SearchError>((1e3 * (x - 3.0)).clamp(-1.0, 2.0));
-        let found = sign_changes(ramp, (1.0, 7.0)).expect("values");
+        let found = sign_changes(ramp, Range { low: 1.0, high: 7.0 }).expect("values");
         assert!(found.jumps.is_empty() && found.roots.len() == 1, "{found:?}");
     }
 
@@ -366,16 +381,26 @@ mod tests {
     #[test]
     fn a_smallest_value_at_an_end_of_the_range_is_not_a_minimum() {
         let parabola = |x: f64| Ok::<_, SearchError>((x - 2.0).powi(2) + 1.0);
-        let (x, value) =
-            minimum_inside(parabola, (0.0, 5.0)).expect("a parabola").expect("a minimum");
+        let Minimum { at: x, value } = minimum_inside(parabola, Range { low: 0.0, high: 5.0 })
+            .expect("a parabola")
+            .expect("a minimum");
         // A minimum can be located only to about the square root of the relative rounding error of
         // the function value.
         assert!((x - 2.0).abs() < 1e-7 && (value - 1.0).abs() < 1e-14, "{x} {value}");
-        assert_eq!(minimum_inside(parabola, (2.0, 5.0)).expect("a parabola"), None);
+        assert_eq!(
+            minimum_inside(parabola, Range { low: 2.0, high: 5.0 }).expect("a parabola"),
+            None
+        );
         let hole = |x: f64| parabola(if x > 1.5 { f64::NAN } else { x });
-        let (x, _) = minimum_inside(hole, (0.0, 5.0)).expect("a parabola").expect("next to a hole");
+        let Minimum { at: x, .. } = minimum_inside(hole, Range { low: 0.0, high: 5.0 })
+            .expect("a parabola")
+            .expect("next to a hole");
         assert!((x - 1.5).abs() < 1e-6, "{x}");
-        assert_eq!(minimum_inside(|_| parabola(f64::NAN), (0.0, 5.0)).expect("no value"), None);
+        assert_eq!(
+            minimum_inside(|_| parabola(f64::NAN), Range { low: 0.0, high: 5.0 })
+                .expect("no value"),
+            None
+        );
     }
 
     /// The expected minimum is the point nearest to (0.9, 0.9) on a disc of radius 0.3 around (0.5,

@@ -73,6 +73,30 @@ impl EndFixity {
     }
 }
 
+/// Bore of a hollow screw, with the material that fills the bore.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bore {
+    /// Bore diameter `$d_b$` \[m\], smaller than the shaft diameter; 0 for a solid screw.
+    pub diameter: f64,
+    /// Density `$\rho_c$` of the material that fills the bore, such as coolant \[kg/m³\]; 0 for an
+    /// empty bore.
+    pub filling_density: f64,
+}
+
+impl Bore {
+    /// Bore of a solid screw.
+    pub const NONE: Self = Self { diameter: 0.0, filling_density: 0.0 };
+}
+
+/// Section of a screw that may buckle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BucklingSection {
+    /// End supports of the section.
+    pub support: EndFixity,
+    /// Length of the section \[m\], positive.
+    pub length: f64,
+}
+
 /// A screw as a shaft between its bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shaft {
@@ -83,12 +107,10 @@ pub struct Shaft {
     /// Shaft diameter `$d_3$` for bending and buckling \[m\], positive. It is usually the core
     /// diameter of the thread.
     pub diameter: f64,
-    /// Bore diameter `$d_b$` of a hollow screw \[m\]; 0 for a solid screw.
-    pub bore: f64,
-    /// Density of the material in the bore \[kg/m³\].
-    pub coolant: f64,
-    /// End supports and length of the section that may buckle \[m\].
-    pub buckling: (EndFixity, f64),
+    /// Bore of the screw.
+    pub bore: Bore,
+    /// Section of the screw that may buckle.
+    pub buckling: BucklingSection,
     /// Young's modulus \[Pa\].
     pub youngs_modulus: f64,
 }
@@ -104,7 +126,8 @@ impl Shaft {
     /// and Bernoulli; catalogs of manufacturers such as THK 513-1E, A15-32, eq. 7.
     pub fn critical_speed(&self) -> f64 {
         let root = self.support.frequency_root();
-        let mass = STEEL * self.section() + self.coolant * 0.25 * PI * self.bore.powi(2);
+        let Bore { diameter, filling_density } = self.bore;
+        let mass = STEEL * self.section() + filling_density * 0.25 * PI * diameter.powi(2);
         // ω_c = λ²/l² √(E I/m')                                           (Z1)
         (root / self.length).powi(2) * (self.youngs_modulus * self.second_moment() / mass).sqrt()
     }
@@ -133,8 +156,7 @@ impl Shaft {
     /// Euler; catalogs of manufacturers such as HIWIN BS-08-2, F 3.25, which uses a factor of 2
     /// instead of 2.046.
     pub fn buckling_load(&self) -> f64 {
-        let (support, length) = self.buckling;
-        self.euler_load(support, length)
+        self.euler_load(self.buckling.support, self.buckling.length)
     }
 
     /// Returns the buckling load of a section of the screw \[N\] (Z2).
@@ -150,7 +172,8 @@ impl Shaft {
     /// whole screw.
     #[must_use]
     pub fn with_buckling_of_support(&self) -> Self {
-        Self { buckling: (self.support, self.buckling.1), ..*self }
+        let buckling = BucklingSection { support: self.support, ..self.buckling };
+        Self { buckling, ..*self }
     }
 
     /// Returns the axial load at which the stress in the core reaches a given value \[N\] (Z3).
@@ -203,7 +226,7 @@ impl Shaft {
     pub fn torsional_stiffness(&self, advance: f64, poisson: f64) -> f64 {
         let share = if self.support == EndFixity::FixedFixed { 0.5 } else { 1.0 };
         let shear_modulus = self.youngs_modulus / (2.0 * (1.0 + poisson));
-        let polar = PI * (self.diameter.powi(4) - self.bore.powi(4)) / 32.0;
+        let polar = PI * (self.diameter.powi(4) - self.bore.diameter.powi(4)) / 32.0;
         // K_t = G π (d₃⁴ − d_b⁴)/(32 x h²)                                (BB9)
         shear_modulus * polar / (share * self.length * advance.powi(2))
     }
@@ -219,12 +242,12 @@ impl Shaft {
 
     /// Returns the cross-sectional area of the core \[m²\].
     pub fn section(&self) -> f64 {
-        0.25 * PI * (self.diameter.powi(2) - self.bore.powi(2))
+        0.25 * PI * (self.diameter.powi(2) - self.bore.diameter.powi(2))
     }
 
     /// Returns the second moment of area of the core \[m⁴\].
     fn second_moment(&self) -> f64 {
-        PI / 64.0 * (self.diameter.powi(4) - self.bore.powi(4))
+        PI / 64.0 * (self.diameter.powi(4) - self.bore.diameter.powi(4))
     }
 
     /// Returns the ratio of the axial force between two fixed bearings to the thermal expansion
@@ -329,9 +352,8 @@ mod tests {
             support,
             length,
             diameter,
-            bore: 0.0,
-            coolant: 0.0,
-            buckling: (support, length),
+            bore: Bore::NONE,
+            buckling: BucklingSection { support, length },
             youngs_modulus: 206e9,
         }
     }
@@ -430,13 +452,15 @@ mod tests {
     #[test]
     fn speed_and_load_limits_of_a_hollow_screw_match_hand_calculations() {
         let solid = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
-        let hollow = Shaft { bore: 17e-3, ..solid };
+        let with_bore =
+            |diameter, filling_density| Shaft { bore: Bore { diameter, filling_density }, ..solid };
+        let hollow = with_bore(17e-3, 0.0);
         // The hand calculation is accurate to five digits.
         assert_relative_eq!(hollow.critical_speed() / RPM, 7167.7, max_relative = 1e-5);
         assert_relative_eq!(hollow.buckling_load(), 255_790.0, max_relative = 2e-5);
         assert_relative_eq!(solid.buckling_load(), 272_840.0, max_relative = 2e-5);
         assert_relative_eq!(hollow.section(), 680.94e-6, max_relative = 1e-5);
-        let wet = Shaft { coolant: 1000.0, ..hollow };
+        let wet = with_bore(17e-3, 1000.0);
         // The mass of the steel is 5.34538 kg, and the mass of the water in the bore is 0.22698 kg.
         let slower = (5.345_38_f64 / (5.345_38 + 0.226_98)).sqrt();
         assert_relative_eq!(
@@ -444,7 +468,7 @@ mod tests {
             slower,
             max_relative = 1e-5
         );
-        let nearly = Shaft { bore: 1e-9, ..solid };
+        let nearly = with_bore(1e-9, 0.0);
         assert_relative_eq!(nearly.critical_speed(), solid.critical_speed(), max_relative = 1e-12);
     }
 

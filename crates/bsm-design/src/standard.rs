@@ -4,10 +4,10 @@ use std::cmp::Ordering::Equal;
 
 use rayon::prelude::*;
 
-use crate::procedure::first_accepted;
+use crate::procedure::{Selection, first_accepted};
 use crate::{
     AcceptedBy, ActiveLimit, BindingLimit, Check, Design, EfficiencyOf, FixedValues, Infeasibility,
-    Limits, Lists, OfferedSize, Outcome, Pitch, Requirement,
+    Limits, Lists, OfferedSize, Outcome, Pitch, RejectedDesigns, Requirement,
 };
 
 /// Maximum number of designs whose efficiency is calculated to find out whether a limit affects the
@@ -58,14 +58,16 @@ impl Requirement {
         }
         kept.retain(|design| design.objective(self.objective).is_finite());
         kept.sort_by(|a, b| a.objective(self.objective).total_cmp(&b.objective(self.objective)));
-        let (first, failed_rules) = first_accepted(&kept.iter().collect::<Vec<_>>(), accepted);
+        let Selection { first, rejected } =
+            first_accepted(&kept.iter().collect::<Vec<_>>(), accepted);
         if let Some(design) = first {
             let design = complete(design);
             let active = self.limits_of_better_designs(&failed, &design, complete);
-            return Some(Outcome::Found { design, active, failed_rules });
+            return Some(Outcome::Found { design, active, rejected });
         }
         if let [best, ..] = &kept[..] {
-            return Some(Outcome::Infeasible { design: complete(best), blocking: Vec::new() });
+            let (design, blocking) = (complete(best), Vec::new());
+            return Some(Outcome::Infeasible { design, blocking, rejected });
         }
         blocked(failed, complete)
     }
@@ -188,5 +190,6 @@ fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option
         let with = |check: Check| ActiveLimit { check, cause: Infeasibility::SeveralLimits };
         blocking = failing(&nearest).into_iter().map(with).collect();
     }
-    Some(Outcome::Infeasible { design: complete(&nearest), blocking })
+    let rejected = RejectedDesigns::default();
+    Some(Outcome::Infeasible { design: complete(&nearest), blocking, rejected })
 }

@@ -4,10 +4,10 @@
 use std::f64::consts::PI;
 
 use bsm_design::{
-    ActiveLimit, BUCKLING_SAFETY, BindingLimit, CRITICAL_SPEED_RATIO, Design, DesignQuantity,
-    DutySpeed, EndFixity, FixedValues, Infeasibility, LoadCase, MachineTable, Make, Mount, Nut,
-    Objective, Outcome, PhasePoint, Pitch, PreloadMethod, ProfileSegment, Ranges, RatingFactors,
-    RequiredLife, Requirement, Travel,
+    ActiveLimit, BUCKLING_SAFETY, BindingLimit, Bore, Bounds, CRITICAL_SPEED_RATIO, Design,
+    DesignQuantity, DutySpeed, EndFixity, FixedValues, Infeasibility, LoadCase, MachineTable, Make,
+    MotorLimit, Mount, Nut, Objective, Outcome, PhasePoint, Pitch, PreloadMethod, ProfileSegment,
+    Range, Ranges, RatingFactors, Rejection, RequiredLife, Requirement, Travel,
 };
 use bsm_dyn::{Direction, DrivenPart, Material, angles::Angles};
 
@@ -23,7 +23,7 @@ fn load(newtons: f64, rpm: f64) -> LoadCase {
 
 /// Accepts every nut, because these tests do not depend on the load distribution.
 #[expect(clippy::unnecessary_wraps, reason = "the signature of a check that can fail")]
-fn accept_every_nut(_design: &Design) -> Result<(), Vec<&'static str>> {
+fn accept_every_nut(_design: &Design) -> Result<(), Rejection> {
     Ok(())
 }
 
@@ -42,8 +42,9 @@ fn feed_drive() -> Requirement {
             length: None,
             overrun: None,
             diameter: None,
-            bore: (0.0, 0.0),
-            buckling: (None, None),
+            bore: Bore::NONE,
+            buckling_support: None,
+            buckling_length: None,
         },
         speed_ratio: CRITICAL_SPEED_RATIO,
         buckling_safety: BUCKLING_SAFETY,
@@ -55,7 +56,7 @@ fn feed_drive() -> Requirement {
         speed_number: Some(70.0 * PI / 30.0),
         make: Make::Ground,
         grade: None,
-        motor: (1.0, None),
+        motor: MotorLimit { gear_ratio: 1.0, max_speed: None },
         method: PreloadMethod::DoubleNut,
         nut_gap: None,
         driven: DrivenPart::Screw,
@@ -65,10 +66,10 @@ fn feed_drive() -> Requirement {
         least_efficiency: None,
         largest_power: None,
         ranges: Ranges {
-            contact_angle: (PI / 6.0, PI / 2.4),
+            contact_angle: Range { low: PI / 6.0, high: PI / 2.4 },
             slimmest: Some(1.0 / 60.0),
-            ball_over_radius: (Some(0.07), Some(0.2)),
-            ball_over_groove: (Some(0.95), Some(0.97)),
+            ball_over_radius: Bounds { min: Some(0.07), max: Some(0.2) },
+            ball_over_groove: Bounds { min: Some(0.95), max: Some(0.97) },
         },
         objective: Objective::Mass,
         fixed: FixedValues::default(),
@@ -294,7 +295,7 @@ fn requirement_given_as_torque_selects_the_same_screw_as_its_equivalent_load() {
     let torque = 8e3 * 10e-3 / (2.0 * PI);
     let (by_load, _) = best_design(&feed_drive());
     let (by_torque, _) = best_design(&Requirement {
-        demand: LoadCase::Torque(torque, DutySpeed::of_rotation(50.0 * PI)),
+        demand: LoadCase::Torque { torque, speed: DutySpeed::of_rotation(50.0 * PI) },
         ..feed_drive()
     });
     // The loads differ only by rounding errors, which change the result by less than the search

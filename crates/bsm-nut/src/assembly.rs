@@ -39,6 +39,60 @@ struct Spring {
     stiffness: f64,
 }
 
+/// Nodes at which the elastic bodies of nut and screw are connected to the balls.
+struct Nodes {
+    /// Axial positions \[m\], in ascending order; empty if both bodies are axially rigid.
+    z: Vec<f64>,
+    /// Largest difference between axial positions that belong to the same node \[m\].
+    tolerance: f64,
+}
+
+impl Nodes {
+    fn of(nut: &BallNut, positions: &[BallPosition]) -> Self {
+        let mut z = Vec::new();
+        if nut.nut_bar.is_some() || nut.screw_bar.is_some() {
+            z.extend(positions.iter().map(|position| position.z));
+            z.sort_by(f64::total_cmp);
+        }
+        let length = z.last().zip(z.first()).map_or(0.0, |(last, first)| last - first);
+        let tolerance = 1e-9 * length;
+        // Balls on different threads may have the same axial position. Such balls share a node.
+        z.dedup_by(|a, b| (*a - *b).abs() <= tolerance);
+        Self { z, tolerance }
+    }
+
+    /// Returns the index of the node at an axial position \[m\], or `None` if both bodies are
+    /// axially rigid.
+    fn at(&self, z: f64) -> Option<usize> {
+        let node = self.z.partition_point(|of_node| *of_node < z - self.tolerance);
+        (!self.z.is_empty()).then_some(node)
+    }
+
+    /// Returns the springs that represent the bars of nut and screw.
+    ///
+    /// * `fixed`: flags of the displacements of nut and screw at each node. They are set to true at
+    ///   the anchors and for a rigid body.
+    fn bar_springs(&self, nut: &BallNut, fixed: &mut [bool]) -> Vec<Spring> {
+        let mut all = Vec::new();
+        for (body, bar) in [nut.nut_bar, nut.screw_bar].iter().enumerate() {
+            let Some(bar) = bar else {
+                fixed.iter_mut().skip(body).step_by(2).for_each(|fixed| *fixed = true);
+                continue;
+            };
+            let (springs, at) = bar.springs(&self.z);
+            let unknown = |node: usize| 2 * node + body;
+            all.extend(springs.into_iter().map(|(node, next, stiffness)| Spring {
+                ends: (unknown(node), next.map(unknown)),
+                stiffness,
+            }));
+            if let Some(node) = at {
+                fixed[unknown(node)] = true;
+            }
+        }
+        all
+    }
+}
+
 /// Selects which springs contribute to the stiffness matrix, and which unknowns are fixed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum StiffnessScope {
@@ -87,33 +141,11 @@ impl<'a> Assembly<'a> {
         }
         let ball = nut.ball_in_grooves().map_err(NutError::Contact)?;
         let positions = nut.positions();
-        let bars = [nut.nut_bar, nut.screw_bar];
-        let mut nodes = Vec::new();
-        if bars.iter().any(Option::is_some) {
-            nodes.extend(positions.iter().map(|position| position.z));
-            nodes.sort_by(f64::total_cmp);
-        }
-        let length = nodes.last().zip(nodes.first()).map_or(0.0, |(last, first)| last - first);
-        // Balls on different threads may have the same axial position. Such balls share a node.
-        nodes.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * length);
-        let first = 2 * nodes.len();
-        let (mut bodies, mut guides) = (Vec::new(), Vec::new());
+        let nodes = Nodes::of(nut, &positions);
+        let first = 2 * nodes.z.len();
         let mut fixed = vec![false; first];
-        for (body, bar) in bars.iter().enumerate() {
-            let Some(bar) = bar else {
-                fixed.iter_mut().skip(body).step_by(2).for_each(|fixed| *fixed = true);
-                continue;
-            };
-            let (springs, at) = bar.springs(&nodes);
-            let unknown = |node: usize| 2 * node + body;
-            bodies.extend(springs.into_iter().map(|(node, next, stiffness)| Spring {
-                ends: (unknown(node), next.map(unknown)),
-                stiffness,
-            }));
-            if let Some(node) = at {
-                fixed[unknown(node)] = true;
-            }
-        }
+        let mut bodies = nodes.bar_springs(nut, &mut fixed);
+        let mut guides = Vec::new();
         let rings = nut.ring.map_or_else(Vec::new, |ring| {
             nut.circuits
                 .iter()
@@ -135,7 +167,6 @@ impl<'a> Assembly<'a> {
         }
         let reference = nut.reference_position();
         let site = |(number, position): (usize, BallPosition)| {
-            let node = nodes.partition_point(|z| *z < position.z - 1e-9 * length);
             let ring = first + FREEDOMS + position.circuit;
             let frame = nut.helix.frame(position.theta);
             let lever_arm = [frame.p_WC.x, frame.p_WC.y, position.z - reference];
@@ -144,7 +175,7 @@ impl<'a> Assembly<'a> {
                 error: nut.error_at(number, &position),
                 lever_arm,
                 nut_matrix: kinematics(&frame, lever_arm),
-                node: (!nodes.is_empty()).then_some(node),
+                node: nodes.at(position.z),
                 ring: (!rings.is_empty()).then_some(ring),
             }
         };
@@ -156,8 +187,8 @@ impl<'a> Assembly<'a> {
         Ok(Self {
             ball,
             sites,
-            matrix: BorderedMatrix::new(nodes.len(), FREEDOMS + rings.len()),
-            nodes: nodes.len(),
+            matrix: BorderedMatrix::new(nodes.z.len(), FREEDOMS + rings.len()),
+            nodes: nodes.z.len(),
             along: nut.helix.lead_angle.cos(),
             nut,
             support: *support,

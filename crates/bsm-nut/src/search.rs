@@ -17,11 +17,14 @@ const MAX_EQUILIBRIUM_STEPS: usize = 100;
 /// forces count as balanced (dimensionless).
 const RESIDUAL_TOLERANCE: f64 = 1e-12;
 
-/// Number of Newton steps after which a larger residual is accepted, and the limit for this
-/// residual (relative to the sum of all forces). The larger residual is needed if the bodies are
-/// stretched by millimeters, because the rounding errors of such displacements are not negligible
-/// compared with the elastic approaches of the balls.
-const RELAXED_RESIDUAL: (usize, f64) = (30, 1e-10);
+/// Number of Newton steps after which a residual up to [`RELAXED_TOLERANCE`] is accepted.
+const RELAXED_AFTER_STEPS: usize = 30;
+
+/// Largest residual force, divided by the sum of the absolute values of all forces, that is
+/// accepted after [`RELAXED_AFTER_STEPS`] (dimensionless). It is larger than
+/// [`RESIDUAL_TOLERANCE`], because the rounding errors of displacements are not negligible compared
+/// with the elastic approaches of the balls if the bodies are stretched by millimeters.
+const RELAXED_TOLERANCE: f64 = 1e-10;
 
 /// Unknowns and the corresponding state of the nut.
 struct EnergyPoint {
@@ -76,7 +79,7 @@ impl Assembly<'_> {
         for steps in 0..=MAX_EQUILIBRIUM_STEPS {
             let imbalance = self.imbalance(&at.state);
             if imbalance <= RESIDUAL_TOLERANCE
-                || (steps >= RELAXED_RESIDUAL.0 && imbalance <= RELAXED_RESIDUAL.1)
+                || (steps >= RELAXED_AFTER_STEPS && imbalance <= RELAXED_TOLERANCE)
             {
                 return self.finish(at, steps, imbalance).in_grooves(self.nut);
             }

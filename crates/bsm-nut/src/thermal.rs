@@ -17,7 +17,9 @@ mod states;
 
 pub use axis::{HeatSources, ThermalAxis};
 pub use band::StateInterval;
-pub use conductances::{BallLink, Conductances, Coolant, Estimate, Surfaces, coolant_conductance};
+pub use conductances::{
+    BallLink, Conductances, Coolant, Estimate, NutSize, Surfaces, coolant_conductance,
+};
 pub use coupling::{
     BETWEEN_LOADS, HeldFriction, NutAtTemperature, PhaseState, WarmNut, WarmPhase,
     drag_beyond_contacts,

@@ -19,6 +19,10 @@ use crate::{BallNut, Equilibrium, FreeMotion};
 
 /// Largest ratio of push force to ball load at which the influence of push forces on ball loads and
 /// contact angles is still neglected.
+///
+/// Two limits follow from this ratio. Above this ratio to the mean ball load, the friction torque is
+/// only an estimate. Above this ratio to the largest ball load, the ball-train model is not valid,
+/// and [`TrainError::LargePush`] is returned.
 pub const MAX_PUSH_RATIO: f64 = 0.03;
 
 /// Ball advance: the motion of balls that do not touch, relative to a cage that turns at constant
@@ -403,8 +407,7 @@ impl BallNut {
         for circuit in 0..self.circuits.len() {
             let order = Self::in_travel(found, circuit, speed);
             let balls = order.iter().map(|number| balls[*number].as_ref()).collect();
-            let of = (self, inputs, speed, touch_angle);
-            let flow = Flow::of(of, (circuit, inputs.gaps[circuit]), balls);
+            let flow = Flow::of(self, inputs, speed, touch_angle, circuit, balls);
             let pass = flow.steady(found.max_load(), &mut work)?;
             let circuit = flow.train(&pass, speed < 0.0);
             let [raceways, contacts, returns, catching] = flow.losses(&pass);
@@ -432,9 +435,13 @@ impl BallNut {
 struct Flow<'a> {
     nut: &'a BallNut,
     inputs: &'a TrainInputs,
+    /// Relative speed of screw and nut \[rad/s\].
     speed: f64,
+    /// Index of the circuit.
     circuit: usize,
+    /// Given ball gap of the circuit \[m\].
     ball_gap: f64,
+    /// Helix angle between the centers of two balls that touch \[rad\].
     touch_angle: f64,
     /// Balls of the circuit, in the direction of travel; `None` for idle balls.
     balls: Vec<Option<&'a TrainBall>>,
@@ -483,11 +490,11 @@ const ENTRY_TOLERANCE: f64 = 1e-9;
 const MAX_PASSES: usize = 40;
 /// Length of the first bracketing step divided by the precession rate. Bracketing is used if
 /// Newton's method does not find the precession rate of the ball train.
-const STEP: f64 = 1e-4;
+const FIRST_BRACKET_STEP: f64 = 1e-4;
 /// Length of a bracketing step divided by the length of the previous step.
-const GROWTH: f64 = 3.0;
+const BRACKET_GROWTH: f64 = 3.0;
 /// Maximum number of steps in the bracketing search for the precession rate.
-const STEPS: usize = 12;
+const MAX_BRACKET_STEPS: usize = 12;
 /// Minimum ratio of the friction moment from the neighboring balls to the moment that stops a ball
 /// (O6). A ball without a steady motion counts as blocked only if its ratio is at least this large.
 /// The limit is below 1 because the friction at the raceways must also support the difference
@@ -502,14 +509,16 @@ const GAP_TOLERANCE: f64 = 1e-6;
 const RATE_TOLERANCE: f64 = 1e-11;
 
 impl<'a> Flow<'a> {
-    /// Collects the data of a circuit. The first argument contains the nut, the inputs, the
-    /// relative speed and the touch angle. The second argument contains the circuit index and the
-    /// ball gap, and the third argument contains the balls.
+    /// Collects the data of a circuit.
     fn of(
-        (nut, inputs, speed, touch_angle): (&'a BallNut, &'a TrainInputs, f64, f64),
-        (circuit, ball_gap): (usize, f64),
+        nut: &'a BallNut,
+        inputs: &'a TrainInputs,
+        speed: f64,
+        touch_angle: f64,
+        circuit: usize,
         balls: Vec<Option<&'a TrainBall>>,
     ) -> Self {
+        let ball_gap = inputs.gaps[circuit];
         let mut flow =
             Self { nut, inputs, speed, circuit, ball_gap, touch_angle, balls, centrifugal: 0.0 };
         let (number, sum) =
@@ -693,47 +702,26 @@ impl Flow<'_> {
         work: &mut ModelWorkspace,
     ) -> Result<CircuitState, TrainError> {
         let rates: Vec<_> = self.rolling().map(|ball| ball.free().rate).collect();
-        let states = self.balls.iter().map(|ball| State {
-            rolling: if ball.is_some() { Rolling::Rolls } else { Rolling::Idle },
-            rate: ball.map_or(0.0, |ball| ball.free().rate),
-            pushes: [0.0; 2],
-            motion: ball.map(|ball| *ball.free()),
-            by_train: [0.0; 2],
-            of: [f64::NAN; 2],
-        });
-        let free: Vec<_> = states.collect();
-        let mut pass = CircuitState { rate: 0.0, states: free.clone(), exit: 0.0 };
         if rates.is_empty() {
             return Err(TrainError::Unloaded { circuit: self.circuit });
         }
         if self.ball_gap < FULL_TRAIN_TOLERANCE * self.pitch() {
             return Err(TrainError::NoGap { circuit: self.circuit });
         }
-        let needed = self.inputs.exit.push(0.0, self.centrifugal);
-        // The push force of a ball is at most the friction force of both contacts in full sliding.
-        // A ball cannot push if the ball in front stops its rotation (O6).
-        let given = self.rolling().map(TrainBall::sliding_push);
-        let (sum, most) = given.fold((0.0, 0.0), |(sum, most), of| (sum + of, f64::max(most, of)));
-        let available = f64::min(sum, most / (2.0 * self.inputs.contact_friction));
-        if needed > available {
-            return Err(TrainError::Return { needed, available });
-        }
+        let needed = self.check_return()?;
         // p_c = Σ p_j/(Z + X/(d θ_c))                                     (O13)
         let free_rate =
             rates.iter().sum::<f64>() / (count(rates.len()) + self.ball_gap / self.pitch());
         let slowest = rates.iter().copied().fold(f64::MAX, f64::min);
         let is_pushed = needed > 0.0 || self.inputs.idle_drag > 0.0;
         if free_rate <= slowest && !is_pushed {
-            pass.rate = free_rate;
-            for state in pass.states.iter_mut().filter(|state| state.motion.is_none()) {
-                state.rate = free_rate;
-            }
-            return Ok(pass);
+            return Ok(self.without_pushes(free_rate));
         }
         let linear = |rate| self.linear(rate);
         let begin = [0.5 * free_rate, 2.0 * free_rate];
         let guess = Bracket { x_tol: 1e-9, ..Bracket::new(begin, begin.map(linear)) }.root(linear);
         let guess = guess.root().map_or(free_rate, |root| root.x);
+        let mut pass = CircuitState { rate: 0.0, states: self.free_states(), exit: 0.0 };
         let mut why = "no speed of the ball train leads to the given gap between the balls";
         let mut least_push = needed;
         let mut surplus = |rate: f64| match self.pass(rate, &mut pass, work) {
@@ -752,31 +740,90 @@ impl Flow<'_> {
             // At this precession rate, the balls cannot provide the required push force, so the
             // rate of the solution is lower.
             Err(what) => {
-                pass.states.clone_from(&free);
+                pass.states = self.free_states();
                 why = what;
                 f64::NEG_INFINITY.into()
             }
         };
         let residual = Self::solve_surplus(guess, &mut surplus);
-        let failed = |what| TrainError::NotConverged { circuit: self.circuit, what };
-        let allowed =
-            GAP_TOLERANCE * self.ball_gap / self.pitch() + RATE_TOLERANCE * count(self.balls.len());
-        if residual.value.abs() > allowed {
-            let (push, part) = (least_push, least_push / largest_load);
-            return Err(if part > MAX_PUSH_RATIO {
-                TrainError::LargePush { push, part }
-            } else {
-                failed(why)
-            });
+        if !self.is_converged(residual) {
+            return Err(self.failure(least_push, largest_load, why));
         }
         // The ball gap must decrease with increasing precession rate. Otherwise, the same ball gap
         // may also result from a second rate.
         if !residual.slope.is_some_and(|slope| slope < 0.0) {
-            return Err(failed(
+            return Err(self.not_converged(
                 "more than one speed of the ball train leads to the given gap between the balls",
             ));
         }
         Ok(pass)
+    }
+
+    /// Returns the push force that the ball return requires at the exit from the loaded part if the
+    /// first loaded ball does not push against the balls in the ball return \[N\].
+    ///
+    /// # Errors
+    ///
+    /// Returns [`TrainError::Return`] if the balls cannot provide this push force.
+    fn check_return(&self) -> Result<f64, TrainError> {
+        let needed = self.inputs.exit.push(0.0, self.centrifugal);
+        // The push force of a ball is at most the friction force of both contacts in full sliding.
+        // A ball cannot push if the ball in front stops its rotation (O6).
+        let given = self.rolling().map(TrainBall::sliding_push);
+        let (sum, most) = given.fold((0.0, 0.0), |(sum, most), of| (sum + of, f64::max(most, of)));
+        let available = f64::min(sum, most / (2.0 * self.inputs.contact_friction));
+        if needed > available { Err(TrainError::Return { needed, available }) } else { Ok(needed) }
+    }
+
+    /// Returns the states of balls that do not touch. The rate of idle balls is set to zero.
+    fn free_states(&self) -> Vec<State> {
+        let free = |ball: Option<&TrainBall>| State {
+            rolling: if ball.is_some() { Rolling::Rolls } else { Rolling::Idle },
+            rate: ball.map_or(0.0, |ball| ball.free().rate),
+            pushes: [0.0; 2],
+            motion: ball.map(|ball| *ball.free()),
+            by_train: [0.0; 2],
+            of: [f64::NAN; 2],
+        };
+        self.balls.iter().copied().map(free).collect()
+    }
+
+    /// Returns the state of a circuit in which no balls touch.
+    ///
+    /// * `free_rate`: precession rate of the ball train, and therefore of the idle balls.
+    fn without_pushes(&self, free_rate: f64) -> CircuitState {
+        let mut states = self.free_states();
+        for state in states.iter_mut().filter(|state| state.motion.is_none()) {
+            state.rate = free_rate;
+        }
+        CircuitState { rate: free_rate, states, exit: 0.0 }
+    }
+
+    /// Returns true if the resulting ball gap agrees with the given ball gap.
+    ///
+    /// * `residual`: difference between both gaps, from [`pass`](Self::pass).
+    fn is_converged(&self, residual: FunctionValue) -> bool {
+        let allowed =
+            GAP_TOLERANCE * self.ball_gap / self.pitch() + RATE_TOLERANCE * count(self.balls.len());
+        residual.value.abs() <= allowed
+    }
+
+    /// Returns the reason why no precession rate of the ball train leads to the given ball gap.
+    ///
+    /// * `least_push`: lower bound on the largest push force \[N\].
+    /// * `largest_load`: largest ball load in the nut \[N\].
+    /// * `why`: reason if the push forces are within the range of the ball-train model.
+    fn failure(&self, least_push: f64, largest_load: f64, why: &'static str) -> TrainError {
+        let (push, part) = (least_push, least_push / largest_load);
+        if part > MAX_PUSH_RATIO {
+            TrainError::LargePush { push, part }
+        } else {
+            self.not_converged(why)
+        }
+    }
+
+    fn not_converged(&self, what: &'static str) -> TrainError {
+        TrainError::NotConverged { circuit: self.circuit, what }
     }
 
     /// Finds the root of a function that decreases with the precession rate, and returns the
@@ -799,9 +846,9 @@ impl Flow<'_> {
             rate += step;
             here = surplus(rate);
         }
-        let places = (0..STEPS).scan((rate, STEP), |(rate, step), _| {
+        let places = (0..MAX_BRACKET_STEPS).scan((rate, FIRST_BRACKET_STEP), |(rate, step), _| {
             *rate *= 1.0 + *step * here.value.signum();
-            *step *= GROWTH;
+            *step *= BRACKET_GROWTH;
             Some(*rate)
         });
         let value_at = |rate| Ok::<_, Infallible>(surplus(rate).value);

@@ -25,7 +25,7 @@ pub struct Page<'a> {
     /// Command that created the page, which is stated in the footer.
     pub command: &'a str,
     /// Template for the contents, which fills the block `content` of `base.html`. It can use the
-    /// filters `number` and `short`, the macro `figure`, and the list `figures`.
+    /// filters `number`, `short`, `unit` and `symbol`, the macro `figure`, and the list `figures`.
     pub template: &'a str,
     /// Figures that the page contains.
     pub figures: &'a [Figure],
@@ -154,5 +154,38 @@ mod tests {
         assert!(html.contains("<h1>a &lt; b</h1>"), "{html}");
         assert!(html.contains("0.16 us"), "{html}");
         assert!(matches!(page("{{ missing }}"), Err(ReportError::Page(_))));
+    }
+
+    #[test]
+    fn units_are_written_with_exponents_and_greek_letters() {
+        for (text, typographic) in [
+            ("um/m", "\u{b5}m/m"),
+            ("uin", "\u{b5}in"),
+            ("deg", "\u{b0}"),
+            ("C", "\u{b0}C"),
+            ("degF", "\u{b0}F"),
+            ("m/s2", "m/s\u{b2}"),
+            ("kg m2", "kg\u{a0}m\u{b2}"),
+            ("lb in2", "lb\u{a0}in\u{b2}"),
+            ("W/(m2 K)", "W/(m\u{b2}\u{a0}K)"),
+            ("N m", "N\u{a0}m"),
+            ("mm/min", "mm/min"),
+        ] {
+            assert_eq!(unit(text), typographic, "{text}");
+        }
+    }
+
+    #[test]
+    fn symbols_are_written_with_subscripts_and_greek_letters() {
+        for (text, html) in [
+            ("F", "F"),
+            ("F_pr", "F<sub>pr</sub>"),
+            ("eta", "η"),
+            ("mu_b", "μ<sub>b</sub>"),
+            ("C_a F_m", "C<sub>a</sub>&#8202;F<sub>m</sub>"),
+            ("delta_x", "delta<sub>x</sub>"),
+        ] {
+            assert_eq!(symbol(text), html, "{text}");
+        }
     }
 }

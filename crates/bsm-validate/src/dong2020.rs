@@ -5,6 +5,7 @@ use bsm_case::{Answer, Case, OutputName, jam, output};
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_report::sheets::Study;
 
+use crate::trends::LabeledStudy;
 use crate::{Check, PublishedData, ValidateError, trends};
 
 const SOURCE: &str = "Dong et al. 2020";
@@ -13,8 +14,12 @@ const SOURCE: &str = "Dong et al. 2020";
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let case = published.dong_case.case()?;
     let studies = [
-        ("raceway-control-", "", study(published, Model::RacewayControl)?),
-        ("traction-", "", study(published, Model::Traction)?),
+        LabeledStudy {
+            label: "raceway-control",
+            setting: "",
+            study: study(published, Model::RacewayControl)?,
+        },
+        LabeledStudy { label: "traction", setting: "", study: study(published, Model::Traction)? },
     ];
     let mut checks = trends::checks(
         &format!("{SOURCE}, Figs 13-19"),

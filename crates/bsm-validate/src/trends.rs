@@ -12,14 +12,17 @@ use crate::{Check, ValidateError};
 /// A row in a table of published trends.
 #[derive(Deserialize)]
 struct Row {
-    /// Label of the sweeps, followed by the name of the quantity to which the trend applies.
+    /// Name of the trend, unique in the table.
     trend: String,
+    /// Label of the studies to which the trend applies.
+    study: String,
     statement: String,
     /// Names of the curves, separated by spaces. A name of the form `a/b` refers to curve `a`
     /// divided by curve `b`.
     curves: String,
     claim: Claim,
-    /// Value of x above which the curve is claimed to decrease more slowly.
+    /// Value of x above which the curve is claimed to decrease more slowly. Required for the claim
+    /// `flattens`.
     knee: Option<f64>,
     /// Lower and upper limit of the range of x in which the trend is claimed.
     from: Option<f64>,
@@ -82,13 +85,17 @@ impl Shape {
         shape
     }
 
+    /// Words for all behaviors, in the order in which a check counts them.
+    const WORDS: [&str; 4] = ["rising", "falling", "constant", "turning"];
+
     fn word(self) -> &'static str {
-        match self {
-            Self::Rises => "rising",
-            Self::Falls => "falling",
-            Self::Constant => "constant",
-            Self::Turns(_) => "turning",
-        }
+        let place = match self {
+            Self::Rises => 0,
+            Self::Falls => 1,
+            Self::Constant => 2,
+            Self::Turns(_) => 3,
+        };
+        Self::WORDS[place]
     }
 }
 
@@ -143,38 +150,86 @@ fn named<'a>(study: &'a Study, name: &'a str) -> impl Iterator<Item = &'a NamedC
     study.named_curves.iter().filter(move |curve| curve.name == name)
 }
 
+/// Sweeps that are compared with published trends.
+pub(crate) struct LabeledStudy {
+    /// Label to which the column `study` of a trend table refers. Several studies may have the same
+    /// label.
+    pub label: &'static str,
+    /// Text that distinguishes studies with the same label, with a leading space.
+    pub setting: &'static str,
+    /// Calculated curves.
+    pub study: Study,
+}
+
 impl Row {
     /// Compares the claim with all curves of a study to which this row applies.
-    fn trends(&self, study: &Study) -> Vec<Trend> {
-        let one = |name: &str| match name.split_once('/') {
-            None => named(study, name).filter_map(|curve| self.trend(curve)).collect::<Vec<_>>(),
-            Some((above, below)) => {
-                let pairs = named(study, above).zip(named(study, below));
-                pairs.filter_map(|(above, below)| self.trend(&self.ratio(above, below))).collect()
+    ///
+    /// # Errors
+    ///
+    /// Returns the reason if two curves of a ratio do not belong together, or if the knee of the
+    /// claim `flattens` is missing.
+    fn trends(&self, study: &Study) -> Result<Vec<Trend>, String> {
+        let mut trends = Vec::new();
+        for name in self.curves.split(' ') {
+            match name.split_once('/') {
+                None => {
+                    for curve in named(study, name) {
+                        trends.extend(self.trend(curve)?);
+                    }
+                }
+                Some((above, below)) => {
+                    let [above, below]: [Vec<_>; 2] =
+                        [above, below].map(|name| named(study, name).collect());
+                    if above.len() != below.len() {
+                        let (above, below) = (above.len(), below.len());
+                        return Err(format!(
+                            "`{name}` divides {above} curves by {below} curves, but their numbers must be equal"
+                        ));
+                    }
+                    for (above, below) in above.into_iter().zip(below) {
+                        trends.extend(self.trend(&self.ratio(above, below)?)?);
+                    }
+                }
             }
-        };
-        self.curves.split(' ').flat_map(one).collect()
+        }
+        Ok(trends)
     }
 
     /// Returns the ratio of two curves. If the claim is about changes of the curves, returns the
     /// change of the first curve divided by the change of the second curve.
-    fn ratio(&self, above: &NamedCurve, below: &NamedCurve) -> NamedCurve {
+    ///
+    /// # Errors
+    ///
+    /// Returns the reason if the curves have different numbers of points.
+    fn ratio(&self, above: &NamedCurve, below: &NamedCurve) -> Result<NamedCurve, String> {
         let (mut label, mut points) =
             (format!("{} divided by {}", above.label, below.label), Vec::new());
         if self.claim == Claim::Spreads {
             label = format!("change of {label}");
             let middle = above.points[above.points.len() / 2].0;
             points.push((middle, range(&above.points) / range(&below.points)));
-        } else {
+        } else if above.points.len() == below.points.len() {
             let both = above.points.iter().zip(&below.points);
             points.extend(both.map(|(above, below)| (above.0, above.1 / below.1)));
+        } else {
+            return Err(format!(
+                "curve `{}` has {} points and curve `{}` has {} points, but their ratio requires equal numbers of points",
+                above.name,
+                above.points.len(),
+                below.name,
+                below.points.len()
+            ));
         }
-        NamedCurve { name: String::new(), label, points, rounding: 0.0 }
+        Ok(NamedCurve { name: String::new(), label, points, rounding: 0.0 })
     }
 
     /// Compares a curve with the claim in the claimed range of x. Points whose y is NaN or infinite
-    /// are left out.
-    fn trend(&self, curve: &NamedCurve) -> Option<Trend> {
+    /// are left out. Returns `None` if no point is left.
+    ///
+    /// # Errors
+    ///
+    /// Returns the reason if the knee of the claim `flattens` is missing.
+    fn trend(&self, curve: &NamedCurve) -> Result<Option<Trend>, String> {
         let range = self.from.unwrap_or(f64::NEG_INFINITY)..=self.to.unwrap_or(f64::INFINITY);
         let rounding = curve.rounding;
         let clean = |(x, y): (f64, f64)| (x, if y.abs() <= rounding { 0.0 } else { y });
@@ -182,62 +237,75 @@ impl Row {
         let points: Vec<_> =
             points.filter(|(x, y)| y.is_finite() && range.contains(x)).map(clean).collect();
         let shape = Shape::of(&points, rounding);
-        let knee = self.knee.unwrap_or(f64::NAN);
         let holds = match self.claim {
             Claim::Rises => shape == Shape::Rises,
             Claim::Falls => shape == Shape::Falls,
             Claim::Flattens => {
+                let knee = self.knee.ok_or("the claim `flattens` requires a value of `knee`")?;
                 shape == Shape::Falls
                     && slope(&points, |x| x <= knee) <= 2.0 * slope(&points, |x| x >= knee)
             }
             Claim::Exceeds | Claim::Spreads => points.iter().all(|(_, y)| *y > 1.0),
         };
-        let (first, last) = (*points.first()?, *points.last()?);
-        Some(Trend { curve: curve.label.clone(), shape, holds, first, last })
+        let ends = points.first().zip(points.last());
+        Ok(ends.map(|(first, last)| {
+            let curve = curve.label.clone();
+            Trend { curve, shape, holds, first: *first, last: *last }
+        }))
     }
 }
 
 /// Returns one check for each trend in a table. If a study contains a curve that is not in the
 /// table, an additional check fails.
 ///
-/// * `studies`: sweeps, each with a label to which the trends refer, and with a text that
-///   distinguishes sweeps with the same label.
+/// # Errors
+///
+/// Returns [`ValidateError`] if the table cannot be read, if a row names an unknown study, or if the
+/// curves or the knee of a row are invalid.
 pub(crate) fn checks(
     source: &str,
     key: &str,
     table: &File,
-    studies: &[(&str, &str, Study)],
+    studies: &[LabeledStudy],
 ) -> Result<Vec<Check>, ValidateError> {
     let check = |row: Row| {
-        let of_label = studies.iter().filter(|(label, ..)| row.trend.starts_with(label));
-        let trends: Vec<_> = of_label
-            .flat_map(|(_, setting, study)| row.trends(study).into_iter().map(|t| (*setting, t)))
-            .collect();
+        let error =
+            |why: String| ValidateError::of(format!("{}: {}", table.name(), row.trend), why);
+        if studies.iter().all(|study| study.label != row.study) {
+            return Err(error(format!("there is no study `{}`", row.study)));
+        }
+        let mut trends = Vec::new();
+        for LabeledStudy { setting, study, .. } in
+            studies.iter().filter(|study| study.label == row.study)
+        {
+            let of_study = row.trends(study).map_err(error)?;
+            trends.extend(of_study.into_iter().map(|trend| (*setting, trend)));
+        }
         let held = trends.iter().filter(|(_, trend)| trend.holds).count();
         let count = |word: &&str| trends.iter().filter(|(_, t)| t.shape.word() == *word).count();
-        let counted = ["rising", "falling", "constant", "turning"];
-        let counted = counted.iter().map(|word| (count(word), word)).filter(|(n, _)| *n > 0);
+        let counted = Shape::WORDS.iter().map(|word| (count(word), word)).filter(|(n, _)| *n > 0);
         let counted: Vec<_> = counted.map(|(n, word)| format!("{n} {word}")).collect();
         let details: Vec<_> = trends.iter().map(|(setting, t)| t.describe(setting)).collect();
         let check = Check::new(&format!("{key}/{}", row.trend), source, row.statement)
             .note(counted.join(", "))
             .follows(held, trends.len(), (row.held, row.of));
-        Check { details: details.join("; "), ..check }
+        Ok(Check { details: details.join("; "), ..check })
     };
     let rows = table.rows::<Row>()?;
     let mut unknown = BTreeSet::new();
-    for (label, _, study) in studies {
-        let of_label = rows.iter().filter(|row| row.trend.starts_with(label));
+    for LabeledStudy { label, study, .. } in studies {
+        let of_label = rows.iter().filter(|row| row.study == *label);
         let known: BTreeSet<_> = of_label.flat_map(|row| row.curves.split([' ', '/'])).collect();
         let names = study.named_curves.iter().map(|curve| curve.name.as_str());
         let left = names.filter(|name| !known.contains(name));
-        unknown.extend(left.map(|name| format!("{key}/{label}{name}")));
+        unknown.extend(left.map(|name| format!("{key}/{label}-{name}")));
     }
     let unrecorded = |key: &String| {
         Check::new(key, source, "the table does not contain this curve").follows(1, 1, (0, 0))
     };
-    let unrecorded: Vec<_> = unknown.iter().map(unrecorded).collect();
-    Ok(rows.into_iter().map(check).chain(unrecorded).collect())
+    let mut checks = rows.into_iter().map(check).collect::<Result<Vec<_>, _>>()?;
+    checks.extend(unknown.iter().map(unrecorded));
+    Ok(checks)
 }
 
 #[cfg(test)]
@@ -273,14 +341,21 @@ mod tests {
             rounding: 0.0,
         };
         let trend = |claim: &str, values: &[f64]| {
-            let header = "trend,statement,curves,claim,knee,from,to,held,of";
-            let text = format!("{header}\na,b,c{claim},1,1\n");
+            let header = "trend,study,statement,curves,claim,knee,from,to,held,of";
+            let text = format!("{header}\na,s,b,c{claim},1,1\n");
             let row = csv::Reader::from_reader(text.as_bytes()).into_deserialize().next();
             let row: Row = row.expect("a row").expect("as the table is");
             let curves = vec![curve("c", values), curve("one", &[1.0, 2.0, 2.5])];
             let found = row.trends(&Study { figures: Vec::new(), named_curves: curves });
-            found.first().map(|trend| trend.holds)
+            found.map(|found| found.first().map(|trend| trend.holds))
         };
+        let missing_knee = trend(",flattens,,,", &[6.0, 4.0, 2.0]).expect_err("no knee");
+        assert!(missing_knee.contains("knee"), "{missing_knee}");
+        let too_short = trend("/one,exceeds,,,", &[1.5, 3.0]).expect_err("2 and 3 points");
+        assert!(too_short.contains("equal numbers of points"), "{too_short}");
+        let unpaired = trend("/none,exceeds,,,", &[1.5]).expect_err("no second curve");
+        assert!(unpaired.contains("divides 1 curves by 0 curves"), "{unpaired}");
+        let trend = |claim: &str, values: &[f64]| trend(claim, values).expect("a valid row");
         assert_eq!(trend(",falls,,,", &[3.0, f64::NAN, 1.0]), Some(true));
         assert_eq!(trend(",rises,,,", &[3.0, 1.0]), Some(false));
         assert_eq!(trend(",falls,,,", &[3.0, 1.0, 2.0]), Some(false));
@@ -298,6 +373,5 @@ mod tests {
         assert_eq!(trend("/one,exceeds,,,", &[1.5, 1.9, 5.0]), Some(false));
         assert_eq!(trend("/one,spreads,,,", &[1.0, 2.0, 3.0]), Some(true));
         assert_eq!(trend("/one,spreads,,,", &[1.0, 2.0, 1.5]), Some(false));
-        assert_eq!(trend("/none,exceeds,,,", &[1.5]), None);
     }
 }

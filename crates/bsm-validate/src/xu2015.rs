@@ -10,6 +10,7 @@ use bsm_kin::{BallFrame, Site};
 use bsm_report::sheets::Study;
 
 use crate::report::largest;
+use crate::trends::LabeledStudy;
 use crate::{Check, PublishedData, ValidateError, trends};
 
 const SOURCE: &str = "Xu and Tang 2015";
@@ -22,10 +23,22 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     let case = published.xu_case.case()?;
     let rolling = |control| study(published, Model::RacewayControl, control);
     let studies = [
-        ("rolling-", " (nut control)", rolling(Control::Nut)?),
-        ("rolling-", " (screw control)", rolling(Control::Screw)?),
-        ("rigid-", "", study(published, Model::Rigid, Control::Nut)?),
-        ("traction-", "", study(published, Model::Traction, Control::Nut)?),
+        LabeledStudy { label: "rolling", setting: " (nut control)", study: rolling(Control::Nut)? },
+        LabeledStudy {
+            label: "rolling",
+            setting: " (screw control)",
+            study: rolling(Control::Screw)?,
+        },
+        LabeledStudy {
+            label: "rigid",
+            setting: "",
+            study: study(published, Model::Rigid, Control::Nut)?,
+        },
+        LabeledStudy {
+            label: "traction",
+            setting: "",
+            study: study(published, Model::Traction, Control::Nut)?,
+        },
     ];
     let mut checks = trends::checks(
         &format!("{SOURCE}, Figs 7-9 and text"),

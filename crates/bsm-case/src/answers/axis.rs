@@ -12,7 +12,7 @@ mod state;
 mod sufficiency;
 mod torques;
 
-use bsm_design::{Axis, FEW_DRAWS, Nut, in_series, warming_time};
+use bsm_design::{Axis, Band, Bounds, FEW_DRAWS, Nut, in_series, warming_time};
 use bsm_dyn::ModelWorkspace;
 use serde_json::json;
 
@@ -41,7 +41,7 @@ use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
     Answer, Case, CaseError, Content, Criterion, INPUTS, InputKey, InputSet, Numbers, NutReport,
-    Output, OutputName, Quantity, Section, Settings, Verdict, WarmBranch, output,
+    Output, OutputName, Quantity, Row, Section, Settings, Verdict, WarmBranch, output,
 };
 
 /// Required inputs of an axis: the inputs that describe its nut, and either a load and a speed or a
@@ -704,6 +704,39 @@ impl AxisReport {
     /// Returns the output with the given name.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.answer.number(name)
+    }
+
+    /// Returns the dimensions and data of the screw on which the sheet is based.
+    pub fn screw_rows(&self) -> &[Row] {
+        match self.answer.section("screw") {
+            Some(Content::Numbers { numbers, .. }) => numbers.all(),
+            _ => &[],
+        }
+    }
+
+    /// Returns the 90 % interval of a result of a phase, or `None` if the result does not depend on
+    /// an estimated groove.
+    ///
+    /// * `place`: index of the phase in [`phases`](Self::phases).
+    pub fn phase_band(&self, place: usize, name: OutputName) -> Option<Band> {
+        match self.answer.section("phases") {
+            Some(Content::Table(phases)) => phases.band(place, name.name()),
+            _ => None,
+        }
+    }
+
+    /// Returns the uncertainty band of a result in the warm state. Bounds that are unknown are
+    /// missing.
+    pub fn warm_bounds(&self, name: OutputName) -> Bounds {
+        let Some(Content::Table(band)) = self.answer.section("band") else {
+            return Bounds::default();
+        };
+        let row = band.rows.iter().find(|row| row.first().is_some_and(|cell| cell == name.name()));
+        let bound = |column: &str| {
+            let column = band.columns.iter().position(|known| known.name == column)?;
+            row?[column].as_f64()
+        };
+        Bounds { min: bound("low"), max: bound("high") }
     }
 
     /// Returns the thermal steady states (warm states) as a function of speed, or `None` if no warm

@@ -5,7 +5,7 @@
 use std::cmp::Ordering;
 
 use bsm_design::search::grid_point;
-use bsm_design::{FEW_DRAWS, LeastSquares, SignRuns, least_squares};
+use bsm_design::{FEW_DRAWS, LeastSquares, Range, SignRuns, least_squares};
 use bsm_dyn::ModelWorkspace;
 use thiserror::Error;
 
@@ -321,7 +321,7 @@ impl Calibration {
         let (key, range) = self.inputs[place];
         let (mut values, mut reachable) = (fitted.to_vec(), None);
         for step in 0..=REACH_STEPS {
-            values[place] = grid_point(range, step, REACH_STEPS);
+            values[place] = grid_point(Range { low: range.0, high: range.1 }, step, REACH_STEPS);
             for point in &self.points {
                 let Some(output) = self.solve(&point.case, settings, &values, work)? else {
                     continue;

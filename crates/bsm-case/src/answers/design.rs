@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use bsm_design::{
     ActiveLimit, BindingLimit, Bounds, Candidate, Check, Design, DesignQuantity, Infeasibility,
-    LoadCase, Nut, Outcome, PhasePoint, Pitch, Requirement,
+    LoadCase, Nut, Outcome, PhasePoint, Pitch, Rejection, Requirement,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 
@@ -126,24 +126,26 @@ impl DesignReport {
     }
 
     fn from_outcome(requirement: &RequirementFile, outcome: Outcome) -> Self {
-        let (design, mut reasons, mut found): (_, Vec<String>, _) = match outcome {
-            Outcome::Found { design, active, failed_rules } => {
+        let (design, mut reasons, mut found, not_calculated): (_, Vec<String>, _, _) = match outcome
+        {
+            Outcome::Found { design, active, rejected } => {
                 let mut names: Vec<_> =
                     active.iter().map(|holds| step(holds.quantity).name).collect();
                 let mut words: Vec<_> = active
                     .iter()
                     .map(|holds| describe_active_limit(requirement, &design, holds))
                     .collect();
-                for name in failed_rules {
+                for name in rejected.failed_rules {
                     if !names.contains(&name) {
                         names.push(name);
                         words.push(label(name).unwrap_or(name).to_owned());
                     }
                 }
-                (design, words, true)
+                (design, words, true, rejected.not_calculated)
             }
-            Outcome::Infeasible { design, blocking } => {
-                (design, blocking.iter().map(describe_blocking_limit).collect(), false)
+            Outcome::Infeasible { design, blocking, rejected } => {
+                let words = blocking.iter().map(describe_blocking_limit).collect();
+                (design, words, false, rejected.not_calculated)
             }
         };
         let case = case(requirement, &design);
@@ -185,7 +187,7 @@ impl DesignReport {
                 "Model {model} has no solution for this screw; `bsm solve` prints the reason."
             ));
         }
-        if let LoadCase::Torque(torque, _) = requirement.problem.demand {
+        if let LoadCase::Torque { torque, .. } = requirement.problem.demand {
             let eta = design.value(DesignQuantity::Efficiency);
             let driving = requirement.problem.direction == Direction::RotaryToLinear;
             let needed = if driving { torque / eta } else { torque * eta };
@@ -216,6 +218,7 @@ impl DesignReport {
             reasons.push(format!("model {model} has no solution for any screw within the limits"));
         }
         let mut notes = requirement.notes.clone();
+        notes.extend(describe_not_calculated(&not_calculated));
         if offered.is_some_and(|size| !size.ball_is_printed) {
             notes.push(
                 "The ball diameter is an estimate; ask the manufacturer for the actual diameter."
@@ -306,7 +309,7 @@ impl RequirementFile {
     /// Returns a copy of the requirement that also contains the default limit for the number of
     /// loaded turns in a catalog.
     pub(crate) fn within(&self, catalog: &Catalog) -> Self {
-        let problem = self.problem.with_usual_turns(catalog.limits.turns.1);
+        let problem = self.problem.with_usual_turns(catalog.limits.turns.high);
         Self { problem, ..self.clone() }
     }
 
@@ -355,20 +358,21 @@ impl RequirementFile {
 /// Checks a design against the rules of its axis sheet and the warnings that are selection limits.
 /// The efficiency of a preloaded nut is checked here as well, because the search does not solve all
 /// balls of a nut.
-fn accepted(requirement: &RequirementFile, design: &Design) -> Result<(), Vec<&'static str>> {
+fn accepted(requirement: &RequirementFile, design: &Design) -> Result<(), Rejection> {
     let Requirement { least_efficiency, largest_power, preload, .. } = &requirement.problem;
     let case = case(requirement, design);
+    let not_calculated = |why: CaseError| Rejection::NotCalculated(why.to_string());
     // Most rules can be checked quickly without friction. A warm state needs friction.
     if !case.requests_warm_state() {
         let sheet =
-            requirement.axis_sheet(&case.clone().without_friction()).map_err(|_| Vec::new())?;
+            requirement.axis_sheet(&case.clone().without_friction()).map_err(not_calculated)?;
         let with_value = sheet.answer.rules.iter().filter(|rule| !rule.value.is_nan());
         let broken: Vec<_> = with_value.filter(|rule| rule.fails()).map(|rule| rule.name).collect();
         if !broken.is_empty() {
-            return Err(broken);
+            return Err(Rejection::Rules(broken));
         }
     }
-    let sheet = requirement.axis_sheet(&case).map_err(|_| Vec::new())?;
+    let sheet = requirement.axis_sheet(&case).map_err(not_calculated)?;
     let mut broken: Vec<_> = requirement.objections(&sheet).collect();
     let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
     if by_all_balls {
@@ -377,7 +381,7 @@ fn accepted(requirement: &RequirementFile, design: &Design) -> Result<(), Vec<&'
         let failing = design.checks.iter().filter(|check| !check.passes());
         broken.extend(failing.map(|check| step(check.quantity).name));
     }
-    if broken.is_empty() { Ok(()) } else { Err(broken) }
+    if broken.is_empty() { Ok(()) } else { Err(Rejection::Rules(broken)) }
 }
 
 /// Calculates the efficiency of the whole screw at a moment of a phase, with the model that the
@@ -392,7 +396,7 @@ fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> O
 /// size.
 fn case(requirement: &RequirementFile, design: &Design) -> Case {
     let Design { nut, size, phase, .. } = design;
-    let by_torque = matches!(requirement.problem.demand, LoadCase::Torque(..));
+    let by_torque = matches!(requirement.problem.demand, LoadCase::Torque { .. });
     let conformity = Some(decimal(nut.conformity.0));
     // A nut with several thread starts has one circuit on each start.
     let several = Some(nut.starts).filter(|starts| *starts > 1.0);
@@ -576,6 +580,23 @@ fn describe_active_limit(
         "{name} {limit}. Without this limit, the best screw would have {} = {without} instead of {with}",
         step(quantity).about
     )
+}
+
+/// Returns a note on the screws that were rejected because their axis sheet could not be calculated,
+/// or `None` if there are no such screws.
+///
+/// * `reasons`: one reason per screw.
+fn describe_not_calculated(reasons: &[String]) -> Option<String> {
+    match reasons {
+        [] => None,
+        [reason] => Some(format!(
+            "One screw within the limits was rejected because its axis sheet cannot be calculated: {reason}."
+        )),
+        [first, ..] => Some(format!(
+            "{} screws within the limits were rejected because their axis sheets cannot be calculated. The reason for the first of these screws: {first}.",
+            reasons.len()
+        )),
+    }
 }
 
 /// Describes a limit that cannot be met, and states the best achievable value and the cause.

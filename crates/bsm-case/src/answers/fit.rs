@@ -4,7 +4,7 @@
 use std::cell::RefCell;
 
 use bsm_design::search::{SignChange, sign_changes};
-use bsm_design::{Band, FEW_DRAWS};
+use bsm_design::{Band, FEW_DRAWS, Range};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -573,7 +573,7 @@ impl Fit {
                 })
                 .unwrap_or(f64::NAN))
         };
-        let run = sign_changes(excess, self.range)?;
+        let run = sign_changes(excess, Range { low: self.range.0, high: self.range.1 })?;
         if let (None, Some(error)) = (run.values, first_error.take()) {
             return Err(error);
         }
@@ -593,7 +593,7 @@ impl Fit {
             found,
             jumps: run.jumps,
             ranges_within_limit,
-            reachable: run.values.map(|(low, high)| (low + offset, high + offset)),
+            reachable: run.values.map(|values| (values.low + offset, values.high + offset)),
             solved: run.share,
             notes: Vec::new(),
         })

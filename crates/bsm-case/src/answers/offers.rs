@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use crate::answers::axis::{AxisReport, UNUSED_RIGIDITY, sheet_columns};
 use crate::answers::groove::pair;
 use crate::vocabulary::members::{Rows, Sentences, answer, row};
-use crate::{Answer, Criterion, OutputName, Verdict, output};
+use crate::{Answer, Column, Criterion, OutputName, Verdict, output};
 
 row! {
     /// A design rule that is checked for both offers.
@@ -68,6 +68,71 @@ answer! {
     }
 }
 
+/// One of two offers that are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Offer {
+    /// The first offer.
+    First,
+    /// The second offer.
+    Second,
+}
+
+impl Offer {
+    /// Both offers.
+    const ALL: [Self; 2] = [Self::First, Self::Second];
+
+    /// Returns the name of the offer in a comparison.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::First => "first",
+            Self::Second => "second",
+        }
+    }
+
+    /// Returns the offer with the given name, or `None` for any other text.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|offer| offer.name() == name)
+    }
+}
+
+/// Meaning of a column in a table that compares two offers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OfferColumn {
+    /// Title of the row, which is a rule, a result or an input.
+    Title,
+    /// Unit of the values in the row.
+    Unit,
+    /// Value for an offer.
+    Value(Offer),
+    /// Limit of the rule for an offer.
+    Limit(Offer),
+    /// Verdict on the rule for an offer.
+    Verdict(Offer),
+    /// Name of the better offer (see [`Offer::named`]).
+    Better,
+}
+
+impl OfferColumn {
+    /// Returns the meaning of a column that has a heading.
+    pub fn of(column: &Column) -> Self {
+        if column.name == "better" {
+            return Self::Better;
+        }
+        if column.head.as_deref() == Some("unit") {
+            return Self::Unit;
+        }
+        let of_offer = Offer::ALL.into_iter().find_map(|offer| {
+            match column.name.strip_prefix(offer.name())? {
+                "" => Some(Self::Value(offer)),
+                "_limit" => Some(Self::Limit(offer)),
+                "_verdict" => Some(Self::Verdict(offer)),
+                _ => None,
+            }
+        });
+        of_offer.unwrap_or(Self::Title)
+    }
+}
+
 /// Results for which a smaller value is better. For all other results of [`sheet_columns`], except
 /// for the results in [`NO_PREFERENCE`], a larger value is better.
 const SMALLER_IS_BETTER: [OutputName; 6] = [
@@ -91,7 +156,8 @@ fn better(first: Option<f64>, second: Option<f64>, smaller: bool) -> Option<&'st
     if (first - second).abs() <= 1e-9 * first.abs().max(second.abs()) {
         return None;
     }
-    Some(if (first < second) == smaller { "first" } else { "second" })
+    let better = if (first < second) == smaller { Offer::First } else { Offer::Second };
+    Some(better.name())
 }
 
 /// Returns the rule with the given title.

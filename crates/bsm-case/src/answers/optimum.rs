@@ -9,7 +9,8 @@ use crate::vocabulary::members::{Maybe, NumbersOf, Word, answer, number_tables};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::DEG;
 use crate::{Answer, Case, CaseError, Numbers, Scope, Settings};
-use bsm_design::search::minimum_inside;
+use bsm_design::Range;
+use bsm_design::search::{Minimum, minimum_inside};
 use bsm_dyn::{
     Direction, Model, ModelWorkspace,
     angles::{Angles, Optimum},
@@ -78,7 +79,7 @@ struct AnglesAndFriction {
 }
 
 /// Range of contact angles that is searched for the optimum of a model \[deg\].
-const SEARCHED_DEG: (f64, f64) = (5.0, 85.0);
+const SEARCHED_DEG: Range = Range { low: 5.0, high: 85.0 };
 
 const DIRECTIONS: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
@@ -154,7 +155,7 @@ pub fn optimum(case: &Case, model: Option<Model>) -> Result<Answer, CaseError> {
     let members = OptimumMembers { numbers, model: Maybe(model), by_model: Maybe(by_model) };
     let mut answer = Answer::default().with_members(members);
     if let Some((model, (_, best))) = found {
-        let (model, (low, high)) = (model.name(), SEARCHED_DEG);
+        let (model, Range { low, high }) = (model.name(), SEARCHED_DEG);
         if best.is_none() {
             answer.warnings.push(format!(
                 "Model {model} has no optimum contact angle between {low} and {high} deg; the efficiency is largest at \
@@ -180,14 +181,15 @@ fn best_by(case: &Case, model: Model) -> Result<(Direction, Option<Optimum>), Ca
         Ok(solution.efficiency().map_or(f64::NAN, |eta| 1.0 - eta))
     };
     // At standstill, the efficiency is 0 at every angle, so there is no optimum.
-    let best = minimum_inside(loss, SEARCHED_DEG)?.filter(|(_, loss)| *loss < 1.0);
-    let optimum = |(deg, loss)| Optimum { contact_angle: deg * DEG, efficiency: 1.0 - loss };
+    let best = minimum_inside(loss, SEARCHED_DEG)?.filter(|best| best.value < 1.0);
+    let optimum =
+        |best: Minimum| Optimum { contact_angle: best.at * DEG, efficiency: 1.0 - best.value };
     Ok((direction, best.map(optimum)))
 }
 
 /// Returns a warning if the optimum contact angle for a motion is difficult to manufacture.
 pub(crate) fn hard_to_make(motion: &str, best_deg: Option<f64>) -> Option<String> {
-    let (low, high) = USUAL_CONTACT_ANGLES_DEG;
+    let Range { low, high } = USUAL_CONTACT_ANGLES_DEG;
     // An angle at a limit of the recommended range may exceed the limit by a rounding error.
     let deg = best_deg.filter(|deg| !(low - 1e-6..=high + 1e-6).contains(deg))?;
     Some(format!(

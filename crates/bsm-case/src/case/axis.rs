@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, CycleTravel, DriveTrain, EndFixity, Grade, Hardness, Life, MachineTable, Make,
+    Axis, Bore, CycleTravel, DriveTrain, EndFixity, Grade, Hardness, Life, MachineTable, Make,
     MotorCurve, MotorPoint, Mount, Nut, NutBody, NutSet, Phase, PreloadClass, PreloadMethod,
     PreloadSize, RatingBasis, RatingFactors, RequiredLife, Shaft, Thread, phases,
     reliability_factor,
@@ -229,9 +229,9 @@ impl AxisModel {
             ));
         }
         let screw = shaft.as_ref().map(|shaft| {
-            let (mass, own) = size.mass_and_inertia(shaft.bore, shaft.length);
-            let stated = case.screw_inertia_kg_m2_m.map(|inertia| inertia * shaft.length);
-            (mass, stated.unwrap_or(own))
+            let (bore, length) = (shaft.bore.diameter, shaft.length);
+            let stated = case.screw_inertia_kg_m2_m.map(|inertia| inertia * length);
+            (size.mass(bore, length), stated.unwrap_or(size.inertia(bore, length)))
         });
         let screw = screw.filter(|(mass, _)| !mass.is_nan());
         // The mass of the nut follows from its groove, even if the groove is estimated.
@@ -529,14 +529,12 @@ pub(crate) fn mount(case: &Case) -> Mount {
         length: case.unsupported_length_mm.map(|mm| mm * MM),
         overrun: case.overrun_mm.map(|mm| mm * MM),
         diameter: case.shaft_diameter_mm.map(|mm| mm * MM),
-        bore: (
-            case.screw_bore_mm.unwrap_or(0.0) * MM,
-            case.value_or_default(InputKey::coolant_density_kg_m3).unwrap_or(0.0),
-        ),
-        buckling: (
-            case.entries.buckling_support.map(|Named(support)| support),
-            case.buckling_length_mm.map(|mm| mm * MM),
-        ),
+        bore: Bore {
+            diameter: case.screw_bore_mm.unwrap_or(0.0) * MM,
+            filling_density: case.value_or_default(InputKey::coolant_density_kg_m3).unwrap_or(0.0),
+        },
+        buckling_support: case.entries.buckling_support.map(|Named(support)| support),
+        buckling_length: case.buckling_length_mm.map(|mm| mm * MM),
     }
 }
 

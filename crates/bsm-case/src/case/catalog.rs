@@ -1,6 +1,6 @@
 //! Catalog of nuts: lists of sizes, and limits for their combinations.
 
-use bsm_design::{Candidate, Limits, Lists, OfferedSize, front};
+use bsm_design::{Candidate, Limits, Lists, OfferedSize, Range, front};
 use bsm_dyn::Material;
 use serde_json::{Map, Value};
 
@@ -110,7 +110,7 @@ impl Catalog {
         lists.balls = all(|size| size.ball);
         lists.turns = all(|size| size.turns);
         lists.conformities = vec![MANUFACTURER_CONFORMITY];
-        limits.turns = (1.0, f64::INFINITY);
+        limits.turns = Range { low: 1.0, high: f64::INFINITY };
         Ok(all_sizes)
     }
 
@@ -220,9 +220,9 @@ impl ListEntries {
         self.all(key, unit).first().copied().unwrap_or(f64::NAN)
     }
 
-    fn range(&self, key: &str) -> (f64, f64) {
+    fn range(&self, key: &str) -> Range {
         let range = self.all(key, 1.0);
-        (range[0], range[range.len() - 1])
+        Range { low: range[0], high: range[range.len() - 1] }
     }
 
     fn catalog(&self) -> Result<Catalog, CaseError> {

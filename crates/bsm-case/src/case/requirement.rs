@@ -1,7 +1,8 @@
 //! Requirements for the selection of a screw.
 
 use bsm_design::{
-    DutySpeed, FixedValues, Lists, LoadCase, Objective, Pitch, Ranges, Requirement, Travel,
+    Bounds, DutySpeed, FixedValues, Lists, LoadCase, MotorLimit, Objective, Pitch, Range, Ranges,
+    Requirement, Travel,
 };
 use bsm_dyn::{Direction, angles::Optimum};
 use serde_json::{Map, Value};
@@ -30,8 +31,8 @@ keys! {
     largest_pitch_circle_diameter_mm ["mm"] Above(0.0), Some(125.0), "largest permitted pitch circle diameter";
     largest_loaded_turns [""] AtLeast(2.0), None, "largest permitted number of loaded turns, at most 12; defaults to 6";
     largest_ball_over_lead [""] Above(0.0), Some(Requirement::BALL_OVER_LEAD), "largest ball diameter divided by lead; the rest of the lead is the land between the grooves";
-    smallest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.0), "smallest permitted contact angle";
-    largest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.1), "largest permitted contact angle";
+    smallest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.low), "smallest permitted contact angle";
+    largest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.high), "largest permitted contact angle";
     largest_length_over_pitch_radius [""] Above(0.0), None, "largest length of the screw divided by its pitch circle radius (60 in step 4 of Lin)";
     smallest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), None, "smallest ball radius divided by pitch circle radius (step 5 of Lin); defaults to 0.07 for continuous sizes";
     largest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), None, "largest ball radius divided by pitch circle radius (step 5 of Lin); defaults to 0.2 for continuous sizes";
@@ -44,7 +45,7 @@ keys! {
 const USUAL_FRICTION: (f64, [f64; 2]) = (0.06, [0.03, 0.12]);
 
 /// Range of contact angles that are easy to manufacture \[deg\].
-pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
+pub(crate) const USUAL_CONTACT_ANGLES_DEG: Range = Range { low: 30.0, high: 75.0 };
 
 /// Axis inputs that are not permitted in a requirement. These inputs are catalog data that the
 /// search itself calculates.
@@ -256,38 +257,37 @@ impl RequirementKeys {
             (Some(feed), _) => DutySpeed::of_feed(feed / 60.0),
             (None, rpm) => DutySpeed::of_rotation(rpm.unwrap_or(f64::NAN) * RPM),
         };
-        Ok(LoadCase::Torque(torque, speed))
+        Ok(LoadCase::Torque { torque, speed })
     }
 
-    /// Returns the smallest and the largest permitted value of a quantity. Each limit has its own
-    /// key in a requirement.
+    /// Returns the limits of a quantity. Each limit has its own key in a requirement.
     ///
-    /// * `usual`: default range, which applies if no limits are given.
+    /// * `usual`: default range, whose ends replace missing limits.
     fn range(
         &self,
         (low, high): (&'static str, &'static str),
-        usual: (f64, f64),
-    ) -> Result<(Option<f64>, Option<f64>), CaseError> {
-        let limits = (self.number(low), self.number(high));
-        let (least, most) = (limits.0.unwrap_or(usual.0), limits.1.unwrap_or(usual.1));
+        usual: Range,
+    ) -> Result<Bounds, CaseError> {
+        let limits = Bounds { min: self.number(low), max: self.number(high) };
+        let searched = limits.range_or(usual);
         // The two ends of a searched range must differ. A fixed value has a separate key.
-        if least < most {
+        if searched.low < searched.high {
             return Ok(limits);
         }
-        let rule = format!("> {low} = {least}");
-        Err(CaseError::out_of_range(high, most, rule))
+        let rule = format!("> {low} = {}", searched.low);
+        Err(CaseError::out_of_range(high, searched.high, rule))
     }
 
     fn ranges(&self) -> Result<Ranges, CaseError> {
         let usual = USUAL_CONTACT_ANGLES_DEG;
         let angles = ("smallest_contact_angle_deg", "largest_contact_angle_deg");
-        let (low, high) = self.range(angles, usual)?;
+        let contact_angle = self.range(angles, usual)?.range_or(usual);
         let radii =
             ("smallest_ball_radius_over_pitch_radius", "largest_ball_radius_over_pitch_radius");
         let grooves =
             ("smallest_ball_radius_over_groove_radius", "largest_ball_radius_over_groove_radius");
         Ok(Ranges {
-            contact_angle: (low.unwrap_or(usual.0) * DEG, high.unwrap_or(usual.1) * DEG),
+            contact_angle: contact_angle.map(|deg| deg * DEG),
             slimmest: self.number("largest_length_over_pitch_radius").map(f64::recip),
             ball_over_radius: self.range(radii, Ranges::LIN_BALL_OVER_RADIUS)?,
             ball_over_groove: self.range(grooves, Ranges::LIN_BALL_OVER_GROOVE)?,
@@ -368,7 +368,7 @@ impl RequirementKeys {
             (None, None) if direction.is_back() => {
                 // Lin's rule uses the largest contact angle, and the lead angle for which this
                 // contact angle is optimal.
-                let largest = ranges.contact_angle.1 / DEG;
+                let largest = ranges.contact_angle.high / DEG;
                 let contact = *case.contact_angle_deg.get_or_insert(largest);
                 let lead = Optimum::lead_angle(direction, contact * DEG, friction);
                 vec![Pitch::Angle(lead.ok_or_else(|| {
@@ -404,7 +404,10 @@ impl RequirementKeys {
             speed_number: case.speed_number_limit_mm_min.map(|limit| limit * MM * RPM),
             make: make(&case),
             grade: case.entries.accuracy_grade.map(|word| word.grade),
-            motor: (case.number(InputKey::gear_ratio), motor_speed(&case).map(|rpm| rpm * RPM)),
+            motor: MotorLimit {
+                gear_ratio: case.number(InputKey::gear_ratio),
+                max_speed: motor_speed(&case).map(|rpm| rpm * RPM),
+            },
             ball_over_lead: limit("largest_ball_over_lead"),
             largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,
             largest_turns: self.number("largest_loaded_turns"),

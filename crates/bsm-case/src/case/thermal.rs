@@ -3,7 +3,7 @@
 use bsm_design::EndFixity;
 use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_nut::thermal::{
-    AxialConstraint, BallLink, Coolant, ScrewBar, Surfaces, Surroundings, ThermalAxis,
+    AxialConstraint, BallLink, Coolant, NutSize, ScrewBar, Surfaces, Surroundings, ThermalAxis,
     coolant_conductance,
 };
 
@@ -75,7 +75,7 @@ pub(crate) fn thermal_axis(
     }
     let flow = case.coolant_flow_l_min.map(|flow| {
         let coolant = case.entries.coolant.map_or(Coolant::Water, |Named(coolant)| coolant);
-        coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
+        coolant_conductance(coolant, flow / 6e4, shaft.bore.diameter, shaft.length)
     });
     let constraint = machine.held.map(|held| AxialConstraint {
         stiffness: held.shaft.constraint_stiffness(held.bearing),
@@ -89,7 +89,7 @@ pub(crate) fn thermal_axis(
         surfaces: Surfaces {
             diameter: machine.axis.screw.pitch_diameter,
             lead: machine.axis.screw.lead,
-            size: (machine.body.outer, machine.body.length),
+            size: NutSize { outer_diameter: machine.body.outer, length: machine.body.length },
             carriage: case.carriage_area_m2,
             driven: machine.axis.driven,
             link,

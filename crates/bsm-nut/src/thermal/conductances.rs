@@ -95,9 +95,20 @@ pub struct Conductances {
     pub nut_coolant: f64,
 }
 
-/// Properties of air: kinematic viscosity \[m²/s\], thermal conductivity \[W/(m·K)\], Prandtl
-/// number, and coefficient of thermal expansion \[1/K\].
-const AIR: (f64, f64, f64, f64) = (1.6e-5, 0.026, 0.71, 1.0 / 300.0);
+/// Properties of a fluid that determine the heat transfer to a surface.
+struct Fluid {
+    /// Kinematic viscosity \[m²/s\].
+    viscosity: f64,
+    /// Thermal conductivity \[W/(m·K)\].
+    conductivity: f64,
+    /// Prandtl number.
+    prandtl: f64,
+}
+
+/// Air at 300 K.
+const AIR: Fluid = Fluid { viscosity: 1.6e-5, conductivity: 0.026, prandtl: 0.71 };
+/// Coefficient of thermal expansion of air at 300 K \[1/K\].
+const AIR_EXPANSION: f64 = 1.0 / 300.0;
 /// Temperature difference between surface and air for which free convection is calculated \[K\].
 const RISE: f64 = 10.0;
 /// Film coefficient of thermal radiation at 300 K for an emissivity of 1, `$4\sigma T^3$`
@@ -107,9 +118,10 @@ const RADIATION: f64 = 4.0 * 5.670_374_419e-8 * 300.0 * 300.0 * 300.0;
 const GRAVITY: f64 = 9.81;
 /// Thermal diffusivity of steel \[m²/s\].
 const DIFFUSIVITY: f64 = 1.2e-5;
-/// Thermal conductivity of a gap that is half filled with grease \[W/(m·K)\], and width of this gap
-/// \[m\].
-const GREASE: (f64, f64) = (0.06, 0.0015);
+/// Thermal conductivity of a gap that is half filled with grease \[W/(m·K)\].
+const GREASE_CONDUCTIVITY: f64 = 0.06;
+/// Width of the gap between nut and screw that is half filled with grease \[m\].
+const GREASE_GAP: f64 = 0.0015;
 /// Conductance of a support bearing, divided by the square of its pitch circle diameter
 /// \[W/(m²·K)\].
 const BEARING: f64 = 3125.0;
@@ -127,9 +139,9 @@ const TYPICAL_BALL_CONDUCTANCE: f64 = 65.0;
 ///
 /// Source: Kays and Bjorklund (1958).
 fn film_of_cylinder(diameter: f64, speed: f64) -> f64 {
-    let (viscosity, conductivity, prandtl, expansion) = AIR;
+    let Fluid { viscosity, conductivity, prandtl } = AIR;
     let reynolds = speed * diameter.powi(2) / (2.0 * viscosity);
-    let grashof = GRAVITY * expansion * RISE * diameter.powi(3) / viscosity.powi(2);
+    let grashof = GRAVITY * AIR_EXPANSION * RISE * diameter.powi(3) / viscosity.powi(2);
     // h_s = Nu k_a/D + 4 ε σ T³,  Nu = 0.135 [(Re²/2 + Gr) Pr]^(1/3)      (I9)
     0.135 * ((0.5 * reynolds.powi(2) + grashof) * prandtl).cbrt() * conductivity / diameter
         + 0.3 * RADIATION
@@ -143,7 +155,7 @@ fn film_of_cylinder(diameter: f64, speed: f64) -> f64 {
 /// Source: McAdams for free convection, and the formula for laminar flow along a plate for forced
 /// convection.
 fn film_of_nut(length: f64, feed: f64) -> f64 {
-    let (viscosity, conductivity, prandtl, _) = AIR;
+    let Fluid { viscosity, conductivity, prandtl } = AIR;
     let free = 1.42 * (RISE / length).powf(0.25);
     let forced =
         0.664 * (feed * length / viscosity).sqrt() * prandtl.cbrt() * conductivity / length;
@@ -194,6 +206,15 @@ impl BallLink {
     }
 }
 
+/// Dimensions of the whole nut, which may consist of two bodies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NutSize {
+    /// Outer diameter \[m\], positive.
+    pub outer_diameter: f64,
+    /// Length \[m\], positive.
+    pub length: f64,
+}
+
 /// Surfaces and ball contacts from which conductances are estimated, and conductances that the case
 /// specifies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -202,8 +223,8 @@ pub struct Surfaces {
     pub diameter: f64,
     /// Lead \[m\].
     pub lead: f64,
-    /// Outer diameter and length of the whole nut, which may consist of two bodies \[m\].
-    pub size: (f64, f64),
+    /// Dimensions of the nut.
+    pub size: NutSize,
     /// Surface area of bracket and table \[m²\]; defaults to ten times the surface area of the nut.
     pub carriage: Option<f64>,
     /// Part that the motor drives. A driven nut rotates in a bearing in its carriage.
@@ -263,8 +284,7 @@ impl Surfaces {
         phases: &[(f64, f64)],
         changed_estimate: Option<(Estimate, f64)>,
     ) -> Conductances {
-        let diameter = self.diameter;
-        let length = self.size.1;
+        let (diameter, length) = (self.diameter, self.size.length);
         let [ball_nut, ball_screw] = match self.link {
             BallLink::Contacts { balls, radii, lead_cosine } => {
                 let per_speed = diameter / (4.0 * lead_cosine);
@@ -278,7 +298,7 @@ impl Surfaces {
             // and screw, so each of them is twice as large.
             BallLink::Usual => [2.0 * TYPICAL_BALL_CONDUCTANCE * diameter; 2],
         };
-        let gap = GREASE.0 * PI * diameter * length / GREASE.1;
+        let gap = GREASE_CONDUCTIVITY * PI * diameter * length / GREASE_GAP;
         let film = || match self.driven {
             DrivenPart::Screw => mean(phases, |speed| film_of_cylinder(diameter, speed)),
             DrivenPart::Nut => film_of_cylinder(diameter, 0.0),
@@ -309,7 +329,7 @@ impl Surfaces {
     ///
     /// * `phases`: duration and speed of every phase, as in [`conductances`](Self::conductances).
     fn of_nut(&self, phases: &[(f64, f64)]) -> f64 {
-        let (outer, length) = self.size;
+        let NutSize { outer_diameter: outer, length } = self.size;
         let own = PI * outer * length;
         let carriage = self.carriage.unwrap_or(CARRIAGE * own);
         let film = film_of_nut(length, self.lead / TAU * mean(phases, |speed| speed));
@@ -347,6 +367,32 @@ pub enum Coolant {
     Oil,
 }
 
+/// Properties of a coolant.
+struct CoolantProperties {
+    fluid: Fluid,
+    /// Density \[kg/m³\].
+    density: f64,
+    /// Specific heat capacity \[J/(kg·K)\].
+    heat_capacity: f64,
+}
+
+impl Coolant {
+    fn properties(self) -> CoolantProperties {
+        match self {
+            Self::Water => CoolantProperties {
+                fluid: Fluid { viscosity: 1.0e-6, conductivity: 0.60, prandtl: 7.0 },
+                density: 998.0,
+                heat_capacity: 4180.0,
+            },
+            Self::Oil => CoolantProperties {
+                fluid: Fluid { viscosity: 2.0e-5, conductivity: 0.14, prandtl: 236.0 },
+                density: 870.0,
+                heat_capacity: 1900.0,
+            },
+        }
+    }
+}
+
 /// Returns the conductance between a hollow screw and its coolant \[W/K\] (I12).
 ///
 /// * `flow`: volume flow of the coolant \[m³/s\].
@@ -355,25 +401,25 @@ pub enum Coolant {
 /// Source: Gnielinski (1976). The flow is laminar below a Reynolds number of 2300. Between 2300 and
 /// 4000, the Nusselt number is interpolated linearly.
 pub fn coolant_conductance(coolant: Coolant, flow: f64, bore: f64, length: f64) -> f64 {
-    const LAMINAR: (f64, f64) = (2300.0, 3.66);
-    const TURBULENT: f64 = 4000.0;
-    let [conductivity, viscosity, prandtl, density, capacity] = match coolant {
-        Coolant::Water => [0.60, 1.0e-6, 7.0, 998.0, 4180.0],
-        Coolant::Oil => [0.14, 2.0e-5, 236.0, 870.0, 1900.0],
-    };
+    const LAMINAR_REYNOLDS: f64 = 2300.0;
+    const LAMINAR_NUSSELT: f64 = 3.66;
+    const TURBULENT_REYNOLDS: f64 = 4000.0;
+    let CoolantProperties { fluid, density, heat_capacity } = coolant.properties();
+    let Fluid { viscosity, conductivity, prandtl } = fluid;
     let gnielinski = |reynolds: f64| {
         let eighth = (0.79 * reynolds.ln() - 1.64).powi(-2) / 8.0;
         let excess = f64::powf(prandtl, 2.0 / 3.0) - 1.0;
         eighth * (reynolds - 1000.0) * prandtl / (1.0 + 12.7 * eighth.sqrt() * excess)
     };
     let reynolds = 4.0 * flow / (PI * bore * viscosity);
-    let nusselt = if reynolds >= TURBULENT {
+    let nusselt = if reynolds >= TURBULENT_REYNOLDS {
         gnielinski(reynolds)
     } else {
-        let part = ((reynolds - LAMINAR.0) / (TURBULENT - LAMINAR.0)).max(0.0);
-        LAMINAR.1 + part * (gnielinski(TURBULENT) - LAMINAR.1)
+        let width = TURBULENT_REYNOLDS - LAMINAR_REYNOLDS;
+        let part = ((reynolds - LAMINAR_REYNOLDS) / width).max(0.0);
+        LAMINAR_NUSSELT + part * (gnielinski(TURBULENT_REYNOLDS) - LAMINAR_NUSSELT)
     };
-    let stream = flow * density * capacity;
+    let stream = flow * density * heat_capacity;
     // G_c = C (1 − exp(−UA/C)),  UA = Nu k_c π l                          (I12)
     -stream * (-nusselt * conductivity * PI * length / stream).exp_m1()
 }

@@ -40,13 +40,16 @@ const MAX_STEP_LENGTH: f64 = 8.0;
 /// which a steady state is found.
 const FIRST_FACTORS: [f64; 4] = [0.05, 5e-3, 5e-4, 5e-5];
 
-/// Scale of the temperatures \[K\] and scale of the speed factor in the continuation.
-const SIZES: (f64, f64) = (20.0, 1.0);
+/// Scale of the temperatures in the continuation \[K\].
+const TEMPERATURE_SCALE: f64 = 20.0;
 
-/// Maximum length of a continuation step, in units of the scales [`SIZES`].
+/// Scale of the speed factor in the continuation (dimensionless).
+const SPEED_SCALE: f64 = 1.0;
+
+/// Maximum length of a continuation step, in units of [`TEMPERATURE_SCALE`] and [`SPEED_SCALE`].
 const MAX_CONTINUATION_STEP: f64 = 0.5;
-/// Maximum length of a continuation step, in units of the scales [`SIZES`], if the points on the
-/// branch are returned as results.
+/// Maximum length of a continuation step, in units of [`TEMPERATURE_SCALE`] and [`SPEED_SCALE`], if
+/// the points on the branch are returned as results.
 const MAX_STEP_FOR_RESULTS: f64 = 0.25;
 
 /// Minimum ratio of speed to fold speed down to which the unstable states beyond the fold are
@@ -336,7 +339,7 @@ impl HeatBalance<'_> {
         mut rises: [f64; NODES],
         factor: f64,
     ) -> Option<([f64; NODES], NutAtTemperature)> {
-        let scales = Scales { x: &[1.0 / SIZES.0; NODES], f: &[self.weight; NODES] };
+        let scales = Scales { x: &[1.0 / TEMPERATURE_SCALE; NODES], f: &[self.weight; NODES] };
         let options = Options {
             convergence: Convergence {
                 residual_tol: RESIDUAL_TOLERANCE,
@@ -423,7 +426,8 @@ impl HeatBalance<'_> {
     /// Traces the branch of steady states from a given state until `continues` returns false. Event
     /// 0 is a state at the given speeds (speed factor 1), and event 1 is a fold.
     ///
-    /// * `longest`: maximum length of a continuation step, in units of [`SIZES`].
+    /// * `longest`: maximum length of a continuation step, in units of
+    ///   [`TEMPERATURE_SCALE`] and [`SPEED_SCALE`].
     fn trace_branch(
         &self,
         from: ([f64; NODES], f64),
@@ -437,7 +441,7 @@ impl HeatBalance<'_> {
         let control = StepControl {
             max_step,
             // A continuation step must not be shorter than the step of finite differences.
-            min_step: DIFFERENCE / SIZES.0,
+            min_step: DIFFERENCE / TEMPERATURE_SCALE,
             root_tolerance: ROOT_TOLERANCE,
             residual_goal: RESIDUAL_TOLERANCE,
             jacobian,
@@ -535,7 +539,7 @@ impl CurveEquations<NODES, { NODES + 1 }> for HeatBalance<'_> {
     }
 
     fn sizes(&self, _: &[f64; NODES + 1]) -> [f64; NODES + 1] {
-        from_fn(|i| if i < NODES { SIZES.0 } else { SIZES.1 })
+        from_fn(|i| if i < NODES { TEMPERATURE_SCALE } else { SPEED_SCALE })
     }
 }
 

@@ -16,8 +16,8 @@ use bsm_dyn::{
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
     AxialConstraint, BETWEEN_LOADS, BallLink, Coolant, HeatSources, HeldFriction, NODES,
-    NoSteadyState, ScrewBar, Surfaces, Surroundings, ThermalAxis, WarmNut, WarmPhase, celsius,
-    coolant_conductance, drag_beyond_contacts,
+    NoSteadyState, NutSize, ScrewBar, Surfaces, Surroundings, ThermalAxis, WarmNut, WarmPhase,
+    celsius, coolant_conductance, drag_beyond_contacts,
 };
 use bsm_nut::{
     BallNut, Equilibrium, FlankFriction, FrictionSum, PreloadKind, Support, TurnRatings,
@@ -92,7 +92,10 @@ fn given_conductances(case: &Value, nut: &BallNut, length: f64) -> Surfaces {
         coolant_conductance(Coolant::Water, flow / 6e4, length_in_m(case, "screw_bore_mm"), length)
     });
     Surfaces {
-        size: (length_in_m(case, "nut_outer_diameter_mm"), length_in_m(case, "nut_length_mm")),
+        size: NutSize {
+            outer_diameter: length_in_m(case, "nut_outer_diameter_mm"),
+            length: length_in_m(case, "nut_length_mm"),
+        },
         carriage: None,
         diameter: 2.0 * nut.helix.radius,
         lead: nut.helix.lead(),

@@ -1,6 +1,9 @@
 //! Comparison of two offers for a screw on one page.
 
-use bsm_case::{Answer, Column, Content, DisplayUnits, Table, format_digits, format_interval};
+use bsm_case::{
+    Answer, Column, Content, DisplayUnits, Offer, OfferColumn, Table, Verdict, format_digits,
+    format_interval,
+};
 use serde_json::{Value, json};
 
 use crate::{Page, ReportError};
@@ -45,25 +48,31 @@ pub fn offers_page(
 /// Returns the data of a table for the template. Each row states which offer is better.
 fn table_of(title: &str, table: &Table, names: [&str; 2]) -> Value {
     let shown = (0..).zip(&table.columns).filter(|(_, column)| column.head.is_some());
-    let shown: Vec<_> = shown.filter(|(_, column)| column.name != "better").collect();
+    let shown: Vec<_> =
+        shown.filter(|(_, column)| OfferColumn::of(column) != OfferColumn::Better).collect();
+    let name_of = |offer: Offer| match offer {
+        Offer::First => names[0],
+        Offer::Second => names[1],
+    };
     // The columns of an offer are labeled with the name of the offer.
     let label = |column: &Column| {
         let head = column.head.as_deref().unwrap_or_default();
-        let offer = |name: &str| column.name.strip_prefix(name);
-        match (offer("first"), offer("second")) {
-            (Some(""), _) => names[0].to_owned(),
-            (_, Some("")) => names[1].to_owned(),
-            (Some(_), _) => format!("{}: {head}", names[0]),
-            (_, Some(_)) => format!("{}: {head}", names[1]),
-            (None, None) => head.to_owned(),
+        match OfferColumn::of(column) {
+            OfferColumn::Value(offer) => name_of(offer).to_owned(),
+            OfferColumn::Limit(offer) | OfferColumn::Verdict(offer) => {
+                format!("{}: {head}", name_of(offer))
+            }
+            OfferColumn::Title | OfferColumn::Unit | OfferColumn::Better => head.to_owned(),
         }
     };
     let head = |(place, column): &(usize, &Column)| {
         let has_numbers = table.rows.iter().any(|row| row[*place].is_number());
         json!({ "text": label(column), "has_numbers": has_numbers })
     };
-    let better = table.columns.iter().position(|column| column.name == "better");
+    let better =
+        table.columns.iter().position(|column| OfferColumn::of(column) == OfferColumn::Better);
     let row = |(place, row): (usize, &Vec<Value>)| {
+        let better = better.and_then(|column| Offer::named(row[column].as_str()?));
         let cell = |(column, about): &(usize, &Column)| {
             let band = table.bands.get(place).and_then(|bands| bands[*column]);
             let text = match &row[*column] {
@@ -74,13 +83,15 @@ fn table_of(title: &str, table: &Table, names: [&str; 2]) -> Value {
                     None => other.to_string(),
                 },
             };
-            let is_better = better.is_some_and(|place| row[place] == *about.name);
+            let meaning = OfferColumn::of(about);
+            let is_better = better.is_some_and(|offer| meaning == OfferColumn::Value(offer));
+            let is_verdict = matches!(meaning, OfferColumn::Verdict(_));
             json!({
                 "text": text,
                 "is_number": row[*column].is_number(),
-                "is_unit": about.head.as_deref() == Some("unit"),
+                "is_unit": meaning == OfferColumn::Unit,
                 "is_better": is_better,
-                "fails": about.name.ends_with("verdict") && text == "fails",
+                "fails": is_verdict && text == Verdict::Fails.word(),
                 "label": label(about),
             })
         };

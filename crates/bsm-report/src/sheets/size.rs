@@ -21,8 +21,21 @@ use crate::{
 const POINTS: u32 = 60;
 
 /// Results that are highlighted at the top of the page.
-const HEADLINES: [&str; 4] =
-    ["cycle_life_h", "peak_motor_torque_Nm", "mean_heat_W", "axis_stiffness_N_um"];
+const HEADLINES: [OutputName; 4] = [
+    output!(cycle_life_h),
+    output!(peak_motor_torque_Nm),
+    output!(mean_heat_W),
+    output!(axis_stiffness_N_um),
+];
+
+/// Results that are based on estimated conductances, which have a large relative error (a factor of
+/// 1.4 to 3).
+const FROM_CONDUCTANCES: [OutputName; 4] = [
+    output!(axis_heat_transfer_W_K),
+    output!(steady_temperature_rise_K),
+    output!(steady_temperature_rise_low_K),
+    output!(steady_temperature_rise_high_K),
+];
 
 /// Text inputs of the case that appear in the header of the sheet.
 const HEAD: [&str; 7] = ["project", "drawing", "revision", "author", "date", "customer", "remark"];
@@ -47,35 +60,35 @@ const DIGITS: [u8; 3] = [2, 3, 4];
 
 /// Results that appear only in the JSON file and not on the sheet, because other
 /// results contain the same information or few readers need them.
-const IN_FILES_ALONE: [&str; 28] = [
-    "cycle_life_revolutions",
-    "cycle_life_km",
-    "cycle_life_strokes",
-    "required_life_revolutions",
-    "required_dynamic_load_N",
-    "end_1_rise_K",
-    "end_2_rise_K",
-    "free_growth_um",
-    "nut_conductance_W_K",
-    "screw_film_W_m2K",
-    "torsional_stiffness_N_um",
-    "natural_frequency_with_torsion_Hz",
-    "peak_regenerated_power_W",
-    "preload_torque_factor",
-    "preload_torque_reverse_Nm",
-    "running_preload_torque_reverse_Nm",
-    "running_preload_torque_factor",
-    "running_preload_torque_factor_without_play",
-    "inertia_of_mass_kg_m2",
-    "inertia_at_screw_kg_m2",
-    "reflected_mass_kg",
-    "buckling_load_of_support_N",
-    "buckling_safety_of_support",
-    "preload_torque_factor_rule",
-    "holding_torque_Nm",
-    "inertia_of_screw_kg_m2",
-    "modified_static_rating_N",
-    "steady_temperature_time_s",
+const IN_FILES_ALONE: [OutputName; 28] = [
+    output!(cycle_life_revolutions),
+    output!(cycle_life_km),
+    output!(cycle_life_strokes),
+    output!(required_life_revolutions),
+    output!(required_dynamic_load_N),
+    output!(end_1_rise_K),
+    output!(end_2_rise_K),
+    output!(free_growth_um),
+    output!(nut_conductance_W_K),
+    output!(screw_film_W_m2K),
+    output!(torsional_stiffness_N_um),
+    output!(natural_frequency_with_torsion_Hz),
+    output!(peak_regenerated_power_W),
+    output!(preload_torque_factor),
+    output!(preload_torque_reverse_Nm),
+    output!(running_preload_torque_reverse_Nm),
+    output!(running_preload_torque_factor),
+    output!(running_preload_torque_factor_without_play),
+    output!(inertia_of_mass_kg_m2),
+    output!(inertia_at_screw_kg_m2),
+    output!(reflected_mass_kg),
+    output!(buckling_load_of_support_N),
+    output!(buckling_safety_of_support),
+    output!(preload_torque_factor_rule),
+    output!(holding_torque_Nm),
+    output!(inertia_of_screw_kg_m2),
+    output!(modified_static_rating_N),
+    output!(steady_temperature_time_s),
 ];
 
 /// Columns of the table of load-cycle phases.
@@ -152,6 +165,11 @@ pub fn size_page(
     page.html(&sheet(&report.displayed(), input))
 }
 
+/// Returns true if a list of results contains a quantity.
+fn contains(results: &[OutputName], quantity: &Quantity) -> bool {
+    results.iter().any(|result| result.name() == quantity.name)
+}
+
 /// Returns the data for the template of the axis sheet.
 fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     let Answer { rules, notes, warnings, .. } = &report.answer;
@@ -173,7 +191,7 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     let mut phase_columns = COLUMNS.map(head).to_vec();
     phase_columns.insert(1, Some(json!({ "title": "process force", "unit": units.of("N").text })));
     let results = report.answer.numbers().flat_map(Numbers::rows);
-    let headlines = results.filter(|row| HEADLINES.contains(&row.quantity.name));
+    let headlines = results.filter(|row| contains(&HEADLINES, row.quantity));
     let inputs = report.case.to_json();
     let headlines = headlines.map(|row| number_row(row, &inputs, &report.answer));
     let drag = report
@@ -264,13 +282,7 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
         _ if quantity.follows_from_friction() && !quantity.unit.is_empty() => {
             format_digits(value, friction)
         }
-        // The heat transfer coefficient and the temperature rises are based on estimated
-        // conductances, which have a large relative error (a factor of 1.4 to 3).
-        _ if quantity.name == "axis_heat_transfer_W_K"
-            || quantity.name.starts_with("steady_temperature_rise") =>
-        {
-            format_digits(value, friction)
-        }
+        _ if contains(&FROM_CONDUCTANCES, quantity) => format_digits(value, friction),
         "screw and nut" => format_digits(value, geometry),
         _ => format_digits(value, formula),
     }
@@ -286,10 +298,7 @@ fn phase_row(report: &AxisReport, place: usize) -> Value {
     let all: f64 = heat().sum();
     let share = |part: f64| if all > 0.0 { (1e3 * part / all).round() / 10.0 } else { 0.0 };
     let shown = |name: OutputName| {
-        let band = match report.answer.section("phases") {
-            Some(Content::Table(phases)) => phases.band(place, name.name()),
-            _ => None,
-        };
+        let band = report.phase_band(place, name);
         phase.number(name).map(|value| format_digits(value, DIGITS[1]) + &format_interval(band))
     };
     let mut values = COLUMNS.map(shown).to_vec();
@@ -334,10 +343,7 @@ fn number_text(value: f64, shown: DisplayUnit) -> String {
 
 /// Returns the given inputs, followed by the results grouped by title.
 fn groups(report: &AxisReport) -> Vec<Value> {
-    let used = match report.answer.section("screw") {
-        Some(Content::Numbers { numbers, .. }) => numbers.all(),
-        _ => &[],
-    };
+    let used = report.screw_rows();
     let is_used = |name: &str| used.iter().any(|row| row.quantity.name == name);
     let inputs = report.case.to_json();
     let is_estimated = |name: &str| report.case.estimates(name);
@@ -356,7 +362,7 @@ fn groups(report: &AxisReport) -> Vec<Value> {
             .then(|| json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": lacks }))
     };
     let given = inputs.as_object().into_iter().flatten().filter_map(input).collect::<Vec<_>>();
-    let on_sheet = |row: &&Row| !IN_FILES_ALONE.contains(&row.quantity.name);
+    let on_sheet = |row: &&Row| !contains(&IN_FILES_ALONE, row.quantity);
     let rows: Vec<_> = report.answer.numbers().flat_map(Numbers::rows).filter(on_sheet).collect();
     let titled = rows.chunk_by(|a, b| a.quantity.title == b.quantity.title);
     let titled = titled.map(|rows| {
@@ -435,26 +441,29 @@ fn among_limits(report: &AxisReport) -> Figure {
     let points: Vec<_> = report.phases.iter().filter_map(point).collect();
     let (fastest, largest) =
         points.iter().fold((0.0, 0.0), |(n, f): (f64, f64), (x, y)| (n.max(*x), f.max(*y)));
-    let rule = |name: &str| {
-        let found = report.answer.rules.iter().find(|rule| rule.name == name);
+    let rule = |name: OutputName| {
+        let found = report.answer.rules.iter().find(|rule| rule.name == name.name());
         found.and_then(|rule| Some((rule.limit?, rule.margin()?)))
     };
     // Each of the following speeds and loads brings one rule exactly to its limit.
     let speeds = [
-        (rule("critical_speed_ratio"), "permitted fraction of the critical speed"),
-        (rule("largest_speed_number_mm_min"), "speed number"),
+        (rule(output!(critical_speed_ratio)), "permitted fraction of the critical speed"),
+        (rule(output!(largest_speed_number_mm_min)), "speed number"),
     ]
     .map(|(rule, label)| (rule.map(|(_, margin)| fastest * margin), label));
     let loads = [
         (
             report
                 .number(output!(buckling_load_N))
-                .zip(rule("buckling_safety").map(|r| r.0))
+                .zip(rule(output!(buckling_safety)).map(|r| r.0))
                 .map(|(f, s)| f / s),
             "buckling",
         ),
         (report.number(output!(yield_load_N)), "core stress"),
-        (rule("static_safety_factor").map(|(_, margin)| 1e3 * largest * margin), "static safety"),
+        (
+            rule(output!(static_safety_factor)).map(|(_, margin)| 1e3 * largest * margin),
+            "static safety",
+        ),
     ]
     .map(|(load, label)| (load.map(|load| load / 1e3), label));
     let known = |limits: &[(Option<f64>, &str)], least: f64| {

@@ -1,8 +1,8 @@
 //! Figures of the warm steady states as functions of the speed: temperatures, and the preload with
 //! its fold.
 
-use bsm_case::{AxisReport, WarmBranch, WarmPoint, output};
-use bsm_design::least_preload;
+use bsm_case::{AxisReport, OutputName, WarmBranch, WarmPoint, output};
+use bsm_design::{Bounds, least_preload};
 
 use crate::{Curve, Figure, PlotAxis, Stroke};
 
@@ -64,14 +64,19 @@ pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
         ),
         None => format!("The speed of this case is {:.0} rpm.", branch.speed_rpm),
     };
-    let band = report.answer.to_json()["band"].take();
-    let bounds = |color: usize, name: &str| {
-        let ends = ["low", "high"].map(|end| band[name][end].as_f64());
-        let points = ends.into_iter().flatten().map(|value| (branch.speed_rpm, value)).collect();
+    let bounds = |color: usize, name: OutputName| {
+        let Bounds { min, max } = report.warm_bounds(name);
+        let ends = [min, max].into_iter().flatten();
+        let points = ends.map(|value| (branch.speed_rpm, value)).collect();
         Curve::new("uncertainty", color, Stroke::Triangles, points)
     };
+    let nodes = [
+        ("nut", output!(nut_temperature_C)),
+        ("screw", output!(screw_temperature_C)),
+        ("balls", output!(balls_temperature_C)),
+    ];
     let mut curves = Vec::new();
-    for (color, name) in ["nut", "screw", "balls"].into_iter().enumerate() {
+    for (color, (name, _)) in nodes.into_iter().enumerate() {
         let value = |point: &WarmPoint| point.temperatures_C[color];
         curves.push(Curve::new(name, color, Stroke::Solid, part(branch, true, value)));
         if branch.fold().is_some() {
@@ -79,8 +84,8 @@ pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
             curves.push(Curve { label: None, ..beyond });
         }
     }
-    for (color, name) in ["nut", "screw", "balls"].into_iter().enumerate() {
-        let bounds = bounds(color, &format!("{name}_temperature_C"));
+    for (color, (_, temperature)) in nodes.into_iter().enumerate() {
+        let bounds = bounds(color, temperature);
         curves.push(Curve { label: bounds.label.filter(|_| color == 0), ..bounds });
     }
     curves.push(at_speed(branch, &curves));
@@ -97,7 +102,7 @@ pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
         Some(Curve::new(label, color, Stroke::Dotted, vec![(0.0, value), (fastest, value)]))
     };
     let opens = report.number(output!(largest_load_N)).map(least_preload);
-    preload.curves.push(bounds(0, "warm_preload_N"));
+    preload.curves.push(bounds(0, output!(warm_preload_N)));
     preload.curves.extend(level("cold preload", 5, branch.cold_preload_N));
     preload.curves.extend(level("a nut unloads below", 4, opens));
     preload.curves.push(at_speed(branch, &preload.curves));

@@ -106,7 +106,7 @@ impl RuleInputs<'_> {
         let of_support = self.number(output!(buckling_safety_of_support)).unwrap_or(f64::NAN);
         format!(
             "Euler (Z2), end conditions {}{by_default}. With the end conditions of the input support ({}), the safety factor is {}",
-            shaft.buckling.0.name(),
+            shaft.buckling.support.name(),
             shaft.support.name(),
             format_number(of_support)
         )

@@ -1,6 +1,8 @@
 //! Warnings about nuts with unfavorable proportions or outside the limits of the catalog formulas.
 
-use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, PRELOAD, Thread, UNLOADING_RATIO};
+use bsm_design::{
+    Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, PRELOAD, Range, Thread, UNLOADING_RATIO,
+};
 
 use crate::format_exact;
 use crate::vocabulary::units::{MM, UM};
@@ -23,7 +25,7 @@ pub(super) fn limit_warnings(
             nut.pitch() / MM
         )));
     }
-    let (few, many) = limits.turns;
+    let Range { low: few, high: many } = limits.turns;
     if nut.turns < few || nut.turns > many {
         let text = format!(
             "loaded_turns = {}: {few} to {many} turns are typical. Fewer turns guide the screw poorly; with more turns, the \
@@ -58,8 +60,8 @@ pub(super) fn limit_warnings(
     for (name, conformity) in
         [("nut_conformity", nut.conformity.0), ("screw_conformity", nut.conformity.1)]
     {
-        let (low, high) = limits.conformity;
-        if !(low..=high).contains(&conformity) {
+        if !limits.conformity.contains(conformity) {
+            let Range { low, high } = limits.conformity;
             let text = format!(
                 "{name} = {conformity}, but the rating formulas were fitted for {low} to {high}."
             );
