@@ -599,10 +599,10 @@ impl AxisReport {
         sufficiency::check(case, &numbers)?;
         let rules = rules::rules(
             case,
-            &machine.axis,
+            machine,
             (&numbers, fold),
             &of_nut,
-            (preload, machine.required_life),
+            preload,
             [
                 state.motor_peak(AxisState::motor_torque),
                 state.motor_peak(AxisState::torque_utilization),

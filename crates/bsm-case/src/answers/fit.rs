@@ -487,8 +487,9 @@ impl Fit {
     fn exact_settings(&self, case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
         match &self.target {
             Target::Measured { output, .. } if of_inputs(output).is_none() => exact(case, settings),
-            // If no ball model can be chosen because groove data is missing, the settings remain
-            // unchanged.
+            // Ratings and axis rules can be calculated without a ball model. If the case does not
+            // suit any ball model, the settings remain unchanged, and the calculation of the
+            // target reports an error if it needs the model.
             _ => Ok(exact(case, settings).unwrap_or(*settings)),
         }
     }
