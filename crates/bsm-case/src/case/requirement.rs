@@ -13,6 +13,8 @@ use crate::case::axis::{
 };
 use crate::case::cycle::Cycle;
 use crate::case::file::quantity_of;
+use crate::vocabulary::entries::Choice;
+use crate::vocabulary::input::InputGroup;
 use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::names::{GivenNames, REQUIREMENT_CHOICES, json_or_text, wrong_type};
 use crate::vocabulary::quantity::keys;
@@ -65,11 +67,11 @@ const SHEET_INPUTS: InputSet = inputs! {
 /// Returns the case inputs that a requirement may contain. Some of them affect the selection, and
 /// others are used only by `bsm axis`, so that all commands can read the same file.
 fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
-    let of_axis = |key: &InputKey| {
-        let title = key.input().title;
-        let motion = title == "operating point" && !SINGLE_BALL_INPUTS.contains(*key);
-        let of_sheet = ["lubricant", "warm state"].contains(&title);
-        (title == "axis" && !NOT_OF_AXES.contains(*key)) || of_sheet || motion
+    let of_axis = |key: &InputKey| match key.group() {
+        InputGroup::OperatingPoint => !SINGLE_BALL_INPUTS.contains(*key),
+        InputGroup::Axis => !NOT_OF_AXES.contains(*key),
+        InputGroup::Lubricant | InputGroup::WarmState => true,
+        InputGroup::Screw | InputGroup::Nut => false,
     };
     InputKey::ALL.into_iter().filter(move |key| of_axis(key) || SHEET_INPUTS.contains(*key))
 }

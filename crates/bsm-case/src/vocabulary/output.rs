@@ -11,7 +11,7 @@ use bsm_kin::{Real, Site};
 use serde_json::{Value, json};
 
 use super::number::count;
-use super::quantity::{AnalysisKind, Quantity, Scope};
+use super::quantity::{AnalysisKind, Quantity, Scope, group};
 use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg, unit_suffix};
 use crate::{INPUTS, InputKey};
 
@@ -205,14 +205,15 @@ macro_rules! outputs {
             },
         },)+)*)*];
 
-        /// Outputs as they are displayed, with one quantity for all contacts. Quantities with the
-        /// title "hidden" are displayed only as part of a sentence.
+        /// Outputs as they are displayed, with one quantity for all contacts. Hidden quantities are
+        /// displayed only as part of a sentence.
         pub(crate) const SOLUTION: &[Quantity] = &[$($(Quantity {
             name: outputs!(@first $($name)+),
             unit: $unit,
             symbol: concat!($($symbol)?),
             about: $label,
-            title: $title,
+            title: group!(@title $title),
+            is_hidden: group!(@is_hidden $title),
             scope: outputs!(@scope $($site)+),
             columns: &[$(OUTPUTS[SolutionOutput::$name as usize],)+],
             ..Quantity::WHOLE
@@ -404,7 +405,7 @@ outputs! {
         "entrainment" ["m/s" "u"] Number: nut_entrainment_m_s nut screw_entrainment_m_s screw = |s, at| Some(film(s, at)?.entrainment),
             "mean speed of both surfaces along the track";
     }
-    "hidden" {
+    hidden {
         "power_balance" [""] Number: power_balance whole = |s, _| s.transmission.power_balance,
             "relative error of the power balance; for an exact solution, only rounding errors remain";
         "iterations" [""] Count: iterations whole = |s, _| Some(constant(s, count(s.info?.steps))),

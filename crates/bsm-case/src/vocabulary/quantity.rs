@@ -46,6 +46,9 @@ pub struct Quantity {
     pub about: &'static str,
     /// Title of the table that contains the result, or group to which the input belongs.
     pub title: &'static str,
+    /// True if the quantity is not displayed by itself: it is part of a sentence, or is written only
+    /// to files.
+    pub(crate) is_hidden: bool,
     /// Scope of the quantity, which determines how many values it has.
     pub scope: Scope,
     /// Columns that contain the values. The names of columns begin with the contact or the
@@ -68,6 +71,7 @@ impl Quantity {
         symbol: "",
         about: "",
         title: "",
+        is_hidden: false,
         scope: Scope::Scalar,
         columns: &[],
         needs: &[],
@@ -205,9 +209,10 @@ pub(crate) use keys;
 /// The syntax is `name ["unit"] Scope(reader), "meaning";`. A `"symbol"` may follow the unit. The
 /// reader may be followed by a list `needs [a, b | c]`, or by a constant that contains such a list.
 /// The list names additional inputs that the quantity needs (here `a`, and either `b` or `c`). The
-/// form `name = TABLE Scalar(reader);` takes unit, symbol and meaning from another table.
+/// form `name = TABLE Scalar(reader);` takes unit, symbol and meaning from another table. The
+/// quantities form groups. Each group begins with its title, or with the word `hidden`.
 macro_rules! quantities {
-    ($(#[$doc:meta])* $visible:vis $table:ident, $numbers:ident(&$state:ty) $(of $analysis:ident)?; $($title:literal {
+    ($(#[$doc:meta])* $visible:vis $table:ident, $numbers:ident(&$state:ty) $(of $analysis:ident)?; $($title:tt {
         $($name:ident $([$unit:literal $($symbol:literal)?])? $(= $table_of:ident)? $of:ident($read:expr)
             $(needs $needs:tt)? $(, $about:literal)?;)*
     })*) => {
@@ -216,7 +221,8 @@ macro_rules! quantities {
             const KIND: Option<$crate::AnalysisKind> =
                 $crate::vocabulary::quantity::quantities!(@kind $($analysis)?);
             &[$($($crate::Quantity {
-                title: $title,
+                title: $crate::vocabulary::quantity::group!(@title $title),
+                is_hidden: $crate::vocabulary::quantity::group!(@is_hidden $title),
                 scope: $crate::Scope::$of,
                 needs: $crate::vocabulary::quantity::quantities!(@needs $($needs)?),
                 ..$crate::vocabulary::quantity::quantities!(
@@ -231,6 +237,24 @@ macro_rules! quantities {
 
         impl $numbers {
             const READ: &[fn(&$state) -> $crate::vocabulary::quantity::Values] = &[$($(|state| {
+/// Converts the first token of a group of quantities, which is its title or the word `hidden`.
+macro_rules! group {
+    (@title hidden) => {
+        ""
+    };
+    (@title $title:literal) => {
+        $title
+    };
+    (@is_hidden hidden) => {
+        true
+    };
+    (@is_hidden $title:literal) => {
+        false
+    };
+}
+
+pub(crate) use group;
+
                 let read: fn(&$state) -> _ = $read;
                 $crate::vocabulary::quantity::Read::values(read(state))
             },)*)*];
