@@ -61,7 +61,7 @@ fn outputs() -> Vec<(
 )> {
     let row = |o: &Output| {
         let analysis = o.analysis().map(bsm_case::AnalysisKind::name);
-        (o.name, o.unit, o.about, o.json_type, o.words.to_vec(), analysis)
+        (o.name, o.unit, o.about, o.output_type.name(), o.words.to_vec(), analysis)
     };
     Output::all().map(row).collect()
 }
@@ -73,7 +73,7 @@ fn columns(table: &str) -> Result<Vec<(&'static str, &'static str, &'static str,
     let numbers = bsm_case::table(table).filter(|quantity| quantity.scope != Scope::Statement);
     let columns: Vec<_> = numbers
         .flat_map(|quantity| quantity.columns)
-        .map(|o| (o.name, o.unit, o.about, o.json_type))
+        .map(|o| (o.name, o.unit, o.about, o.output_type.name()))
         .collect();
     if columns.is_empty() {
         return Err(Error::from(format!("`{table}` is not a table of any answer")));

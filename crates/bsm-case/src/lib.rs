@@ -86,7 +86,7 @@ pub use vocabulary::number::{
     format_digits, format_exact, format_interval, format_number, format_short, format_trimmed,
     format_with_interval, write_exact,
 };
-pub use vocabulary::output::{OUTPUTS, Output, SolutionOutput, store_outputs};
+pub use vocabulary::output::{OUTPUTS, Output, OutputType, SolutionOutput, store_outputs};
 pub use vocabulary::phase::PhaseEntry;
 pub use vocabulary::quantity::{AnalysisKind, Numbers, OutputName, Quantity, Row, Scope, Values};
 pub use vocabulary::rules::{Inputs, Pointwise, Relation, covered};

@@ -281,7 +281,7 @@ pub(crate) use group;
     (@said Scalar $name:ident = $table_of:ident) => {{
         const SAID: $crate::Quantity = $crate::Quantity::with_short_meaning($table_of, stringify!($name));
         $crate::Quantity {
-            columns: &[$crate::Output::of_table(SAID.name, SAID.unit, "number", SAID.about, KIND)],
+            columns: &[$crate::Output::of_table(SAID.name, SAID.unit, $crate::OutputType::Number, SAID.about, KIND)],
             ..SAID
         }
     }};
@@ -291,28 +291,28 @@ pub(crate) use group;
     (@kind) => { None };
     (@kind $analysis:ident) => { Some($crate::AnalysisKind::$analysis) };
     (@Scalar $($of:tt)*) => {
-        $crate::vocabulary::quantity::quantities!(@columns "number" ["" ""], ($($of)*))
+        $crate::vocabulary::quantity::quantities!(@columns Number ["" ""], ($($of)*))
     };
     (@Statement $($of:tt)*) => {
-        $crate::vocabulary::quantity::quantities!(@columns "boolean" ["" ""], ($($of)*))
+        $crate::vocabulary::quantity::quantities!(@columns Boolean ["" ""], ($($of)*))
     };
     (@Contacts $($of:tt)*) => {
         $crate::vocabulary::quantity::quantities!(
-            @columns "number" ["nut_" ", nut"] ["screw_" ", screw"] ["unloaded_flank_" ", far flank"], ($($of)*)
+            @columns Number ["nut_" ", nut"] ["screw_" ", screw"] ["unloaded_flank_" ", far flank"], ($($of)*)
         )
     };
     (@Directions $($of:tt)*) => {
         $crate::vocabulary::quantity::quantities!(
-            @columns "number" ["rotary_to_linear_" ", rotary to linear"] ["linear_to_rotary_" ", linear to rotary"], ($($of)*)
+            @columns Number ["rotary_to_linear_" ", rotary to linear"] ["linear_to_rotary_" ", linear to rotary"], ($($of)*)
         )
     };
-    (@columns $json:literal $([$before:literal $where:literal])+, $of:tt) => {
-        &[$($crate::vocabulary::quantity::quantities!(@column $json, $before, $where, $of)),+]
+    (@columns $type:ident $([$before:literal $where:literal])+, $of:tt) => {
+        &[$($crate::vocabulary::quantity::quantities!(@column $type, $before, $where, $of)),+]
     };
-    (@column $json:literal, $before:literal, $where:literal,
+    (@column $type:ident, $before:literal, $where:literal,
         ($name:ident, $unit:literal, $about:literal)) => {
         $crate::Output::of_table(
-            concat!($before, stringify!($name)), $unit, $json, concat!($about, $where), KIND
+            concat!($before, stringify!($name)), $unit, $crate::OutputType::$type, concat!($about, $where), KIND
         )
     };
 }
