@@ -19,8 +19,8 @@ mod table;
 
 use bsm_case::units::other_units;
 use bsm_case::{
-    CaseEntries, INPUTS, InputKey, ModelChoice, Output, Quantity, REQUIREMENT_CHOICES,
-    REQUIREMENT_INPUTS, Scope, input_schema,
+    CaseEntries, INPUTS, InputKey, ModelChoice, Output, Quantity, REQUIREMENT_INPUTS,
+    RequirementChoice, Scope, input_schema,
 };
 use bsm_dyn::{Control, model::RacewayFriction};
 use pyo3::prelude::*;
@@ -85,8 +85,9 @@ fn columns(table: &str) -> Result<Vec<(&'static str, &'static str, &'static str,
 /// of a case.
 #[pyfunction]
 fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, String)> {
-    let words = REQUIREMENT_CHOICES.iter().map(|(name, words, about)| {
-        (*name, "", (*about).to_owned(), None, format!("one of {}", words.join(", ")))
+    let words = RequirementChoice::ALL.iter().map(|choice| {
+        let rule = format!("one of {}", choice.words().join(", "));
+        (choice.name(), "", choice.about().to_owned(), None, rule)
     });
     let number = |i: &Quantity| (i.name, i.unit, i.about.to_owned(), i.default, i.rule.describe());
     words.chain(REQUIREMENT_INPUTS.iter().map(number)).collect()

@@ -185,8 +185,39 @@ read! {
 }
 
 /// Declares a table of keys that are not inputs of a case:
-/// `name ["unit"] rule, default, "meaning";`.
+/// `name ["unit"] rule, default, "meaning";`. The form `TABLE of Key;` also declares an enum with
+/// one variant for each key.
 macro_rules! keys {
+    ($(#[$doc:meta])* $visible:vis $table:ident of $key:ident;
+     $($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {
+        $crate::vocabulary::quantity::keys! {
+            $(#[$doc])*
+            $visible $table;
+            $($name [$unit $($symbol)?] $rule, $default, $about;)*
+        }
+
+        #[doc = concat!("Key whose value is its index in [`", stringify!($table), "`].")]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[expect(non_camel_case_types, reason = "variant names match the key names in the vocabulary")]
+        enum $key {
+            $(#[doc = $about] $name,)*
+        }
+
+        impl $key {
+            /// All keys, in the order of the table.
+            const ALL: [Self; $table.len()] = [$(Self::$name),*];
+
+            /// Returns the key with the given name.
+            fn from_name(name: &str) -> Option<Self> {
+                Self::ALL.into_iter().find(|key| key.quantity().name == name)
+            }
+
+            /// Returns the definition of the key.
+            fn quantity(self) -> &'static $crate::Quantity {
+                &$table[self as usize]
+            }
+        }
+    };
     ($(#[$doc:meta])* $visible:vis $table:ident;
      $($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {
         $(#[$doc])*
@@ -203,6 +234,24 @@ macro_rules! keys {
 }
 
 pub(crate) use keys;
+
+/// Converts the first token of a group of quantities, which is its title or the word `hidden`.
+macro_rules! group {
+    (@title hidden) => {
+        ""
+    };
+    (@title $title:literal) => {
+        $title
+    };
+    (@is_hidden hidden) => {
+        true
+    };
+    (@is_hidden $title:literal) => {
+        false
+    };
+}
+
+pub(crate) use group;
 
 /// Declares a table of quantities and the function that calculates their values.
 ///
@@ -237,24 +286,6 @@ macro_rules! quantities {
 
         impl $numbers {
             const READ: &[fn(&$state) -> $crate::vocabulary::quantity::Values] = &[$($(|state| {
-/// Converts the first token of a group of quantities, which is its title or the word `hidden`.
-macro_rules! group {
-    (@title hidden) => {
-        ""
-    };
-    (@title $title:literal) => {
-        $title
-    };
-    (@is_hidden hidden) => {
-        true
-    };
-    (@is_hidden $title:literal) => {
-        false
-    };
-}
-
-pub(crate) use group;
-
                 let read: fn(&$state) -> _ = $read;
                 $crate::vocabulary::quantity::Read::values(read(state))
             },)*)*];
