@@ -19,8 +19,8 @@ mod table;
 
 use bsm_case::units::other_units;
 use bsm_case::{
-    CaseEntries, INPUTS, InputKey, ModelChoice, Output, Quantity, REQUIREMENT_CHOICES,
-    REQUIREMENT_INPUTS, Scope, input_schema,
+    CaseEntries, INPUTS, InputKey, ModelChoice, Output, Quantity, REQUIREMENT_INPUTS,
+    RequirementChoice, Scope, input_schema,
 };
 use bsm_dyn::{Control, model::RacewayFriction};
 use pyo3::prelude::*;
@@ -61,7 +61,7 @@ fn outputs() -> Vec<(
 )> {
     let row = |o: &Output| {
         let analysis = o.analysis().map(bsm_case::AnalysisKind::name);
-        (o.name, o.unit, o.about, o.json_type, o.words.to_vec(), analysis)
+        (o.name, o.unit, o.about, o.output_type.name(), o.words.to_vec(), analysis)
     };
     Output::all().map(row).collect()
 }
@@ -73,7 +73,7 @@ fn columns(table: &str) -> Result<Vec<(&'static str, &'static str, &'static str,
     let numbers = bsm_case::table(table).filter(|quantity| quantity.scope != Scope::Statement);
     let columns: Vec<_> = numbers
         .flat_map(|quantity| quantity.columns)
-        .map(|o| (o.name, o.unit, o.about, o.json_type))
+        .map(|o| (o.name, o.unit, o.about, o.output_type.name()))
         .collect();
     if columns.is_empty() {
         return Err(Error::from(format!("`{table}` is not a table of any answer")));
@@ -85,8 +85,9 @@ fn columns(table: &str) -> Result<Vec<(&'static str, &'static str, &'static str,
 /// of a case.
 #[pyfunction]
 fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, String)> {
-    let words = REQUIREMENT_CHOICES.iter().map(|(name, words, about)| {
-        (*name, "", (*about).to_owned(), None, format!("one of {}", words.join(", ")))
+    let words = RequirementChoice::ALL.iter().map(|choice| {
+        let rule = format!("one of {}", choice.words().join(", "));
+        (choice.name(), "", choice.about().to_owned(), None, rule)
     });
     let number = |i: &Quantity| (i.name, i.unit, i.about.to_owned(), i.default, i.rule.describe());
     words.chain(REQUIREMENT_INPUTS.iter().map(number)).collect()

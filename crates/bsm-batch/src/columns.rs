@@ -7,7 +7,9 @@ use std::sync::Arc;
 use arrow_array::Float64Array;
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
 use bsm_case::units::UnitChange;
-use bsm_case::{DisplayUnit, DisplayUnits, InputKey, InputSet, Output, brief, nearest_input};
+use bsm_case::{
+    DisplayUnit, DisplayUnits, InputKey, InputSet, Output, OutputType, brief, nearest_input,
+};
 
 use crate::error::UnknownName;
 use crate::{AnswerSink, Answers, Chunk, TableError, TableFormat};
@@ -50,8 +52,8 @@ pub struct Columns {
 pub struct Heading<'a> {
     /// Column name.
     pub name: &'a str,
-    /// JSON type of the values in the column.
-    pub json_type: &'static str,
+    /// Type of the values in the column.
+    pub output_type: OutputType,
     /// Unit of the column as text, which is empty for a column without a unit.
     pub unit: &'static str,
     /// Description of the values in the column.
@@ -156,11 +158,16 @@ impl Columns {
         &'a self,
         outputs: &'a [&'static Output],
     ) -> impl Iterator<Item = Heading<'a>> {
-        let text = |name, about| Heading { name, json_type: "string", unit: "", about };
+        let text = |name, about| Heading { name, output_type: OutputType::Text, unit: "", about };
         let kept = self.kept.iter().map(move |name| text(name, "copied from the input table"));
         let inputs = self.inputs.iter().map(|key| {
             let input = key.input();
-            Heading { name: input.name, json_type: "number", unit: input.unit, about: input.about }
+            Heading {
+                name: input.name,
+                output_type: OutputType::Number,
+                unit: input.unit,
+                about: input.about,
+            }
         });
         let [model, status, message] = ANSWERS;
         let answers = [
@@ -169,8 +176,8 @@ impl Columns {
             text(message, "reason why the row has no result, or why `auto` chose its model"),
         ];
         let outputs = outputs.iter().map(|output| {
-            let Output { name, json_type, unit, about, .. } = **output;
-            Heading { name, json_type, unit, about }
+            let Output { name, output_type, unit, about, .. } = **output;
+            Heading { name, output_type, unit, about }
         });
         kept.chain(inputs).chain(answers).chain(outputs)
     }
@@ -198,11 +205,11 @@ impl Columns {
             None if ANSWERS.contains(&heading.name) => {
                 Field::new(heading.name, DataType::Utf8, heading.name == "message")
             }
-            None => field(heading.name, heading.unit).with_data_type(match heading.json_type {
-                "integer" => DataType::UInt64,
-                "boolean" => DataType::Boolean,
-                "string" => DataType::Utf8,
-                _ => DataType::Float64,
+            None => field(heading.name, heading.unit).with_data_type(match heading.output_type {
+                OutputType::Number => DataType::Float64,
+                OutputType::Integer => DataType::UInt64,
+                OutputType::Boolean => DataType::Boolean,
+                OutputType::Text => DataType::Utf8,
             }),
         });
         Arc::new(Schema::new(fields.collect::<Vec<_>>()))

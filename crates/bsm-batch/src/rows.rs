@@ -12,7 +12,7 @@ use arrow_array::{
 };
 use arrow_buffer::NullBuffer;
 use arrow_schema::{DataType, SchemaRef};
-use bsm_case::{Case, CaseError, ModelChoice, OUTPUTS, Output};
+use bsm_case::{Case, CaseError, ModelChoice, OUTPUTS, Output, OutputType};
 use bsm_dyn::Status;
 use rayon::prelude::*;
 use serde_json::{Number, Value};
@@ -351,11 +351,13 @@ fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
     let count = |x: &f64| (!x.is_nan()).then_some(*x as u64);
     let flag = |x: &f64| (!x.is_nan()).then_some(*x > 0.5);
-    match output.json_type {
-        "integer" => Arc::new(values.iter().map(count).collect::<UInt64Array>()),
-        "boolean" => Arc::new(values.iter().map(flag).collect::<BooleanArray>()),
-        "string" => text_column(&values, |a, b| a.to_bits() == b.to_bits(), |x| output.word(*x)),
-        _ => Arc::new(numbers(values)),
+    match output.output_type {
+        OutputType::Number => Arc::new(numbers(values)),
+        OutputType::Integer => Arc::new(values.iter().map(count).collect::<UInt64Array>()),
+        OutputType::Boolean => Arc::new(values.iter().map(flag).collect::<BooleanArray>()),
+        OutputType::Text => {
+            text_column(&values, |a, b| a.to_bits() == b.to_bits(), |x| output.word(*x))
+        }
     }
 }
 

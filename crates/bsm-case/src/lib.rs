@@ -79,14 +79,12 @@ pub use vocabulary::input::{Case, INPUTS, InputKey, MAX_EXACT_INTEGER, Rule};
 pub use vocabulary::input_set::{InputSet, derived_input};
 pub use vocabulary::lines::{Lines, OtherSeparator, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;
-pub use vocabulary::names::{
-    GivenNames, REQUIREMENT_CHOICES, entries, json_value_of, nearest_input,
-};
+pub use vocabulary::names::{GivenNames, RequirementChoice, entries, json_value_of, nearest_input};
 pub use vocabulary::number::{
     format_digits, format_exact, format_interval, format_number, format_short, format_trimmed,
     format_with_interval, write_exact,
 };
-pub use vocabulary::output::{OUTPUTS, Output, SolutionOutput, store_outputs};
+pub use vocabulary::output::{OUTPUTS, Output, OutputType, SolutionOutput, store_outputs};
 pub use vocabulary::phase::PhaseEntry;
 pub use vocabulary::quantity::{AnalysisKind, Numbers, OutputName, Quantity, Row, Scope, Values};
 pub use vocabulary::rules::{Inputs, Pointwise, Relation, covered};

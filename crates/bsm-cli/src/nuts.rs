@@ -36,7 +36,8 @@ pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
         print_message("note", note);
     }
     let first = list.chosen.first().map(|place| list.case(*place, requirement));
-    let nut = first.and_then(|json| Case::from_json(json.to_string().as_bytes()).ok());
+    let nut = first.map(|json| Case::from_json(json.to_string().as_bytes())).transpose();
+    let nut = nut.map_err(|error| Failure::input("selected nut", &error))?;
     let units = args.display(nut.as_ref());
     if !list.reasons.is_empty() {
         let none = Reply { case: Some(Value::Null), units, ..Reply::of(list.answer(0)) };

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use bsm_case::{
     CaseError, Catalog, Content, DesignReport, DesignRow, MANUFACTURER_SIZES, ManufacturerNut,
-    REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOG,
+    REQUIREMENT_INPUTS, RequirementChoice, RequirementFile, STANDARD_CATALOG,
 };
 
 use crate::answer::{Destination, Pictures, Reply, WriteTable};
@@ -138,8 +138,9 @@ fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
 
 /// Returns a text that describes the keys of a requirement.
 fn keys() -> String {
-    let words = REQUIREMENT_CHOICES.iter().map(|(name, words, about)| {
-        vec![(*name).to_owned(), String::new(), format!("{about}: {}", words.join(", "))]
+    let words = RequirementChoice::ALL.iter().map(|choice| {
+        let meaning = format!("{}: {}", choice.about(), choice.words().join(", "));
+        vec![choice.name().to_owned(), String::new(), meaning]
     });
     let numbers = REQUIREMENT_INPUTS.iter().map(|input| {
         let default = input.default.map_or_else(String::new, |d| format!("; defaults to {d}"));

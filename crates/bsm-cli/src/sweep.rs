@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use bsm_batch::dataset::Points;
 use bsm_batch::{ColumnUnits, RandomPoints, TableFormat, Task, Workers};
-use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, Output, Settings};
+use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, Output, OutputType, Settings};
 
 use crate::args::{SweepArgs, with_units};
 use crate::failure::{Failure, note_unused, print_message};
@@ -277,7 +277,7 @@ fn plotted_output(path: &Path, columns: Option<&[String]>) -> Result<&'static Ou
         );
     }
     let found = Output::in_unit(name).map(|(output, _)| output);
-    found.filter(|output| output.json_type == "number").ok_or_else(|| {
+    found.filter(|output| output.output_type == OutputType::Number).ok_or_else(|| {
         Failure::Input(format!(
             "-o {}: a plot shows the first output of --columns, but {name} is not a number; put a number first, such as \
              --columns efficiency,{name}",

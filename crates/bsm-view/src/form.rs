@@ -3,8 +3,8 @@
 
 use bsm_case::units::{UnitChange, label, other_units};
 use bsm_case::{
-    Choice, DisplayUnit, DisplayUnits, INPUTS, ModelChoice, OUTPUTS, Settings, input_schema,
-    output_schema,
+    Choice, DisplayUnit, DisplayUnits, INPUTS, ModelChoice, OUTPUTS, OutputType, Settings,
+    input_schema, output_schema,
 };
 use bsm_dyn::{Control, model::RacewayFriction};
 use serde_json::{Value, json};
@@ -37,7 +37,7 @@ pub(crate) fn schema() -> Value {
             "units": units,
         })
     });
-    let outputs = OUTPUTS.iter().filter(|output| output.json_type == "number").map(|output| {
+    let outputs = OUTPUTS.iter().filter(|output| output.output_type == OutputType::Number).map(|output| {
         let whole = label(output.name, output.unit);
         let words = whole.rsplit_once(", ").map_or(&*whole, |(words, _)| words);
         json!({ "name": output.name, "label": words, "unit": output.unit, "about": output.about })

@@ -4,7 +4,7 @@
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::{Path, PathBuf};
 
-use bsm_case::{Case, CaseError, ModelChoice, Output, Settings};
+use bsm_case::{Case, CaseError, ModelChoice, Output, OutputType, Settings};
 use bsm_dyn::Model;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
@@ -228,10 +228,10 @@ impl Plan {
         let inputs = self.written.points.inputs();
         #[expect(clippy::cast_precision_loss, reason = "the table has only about fifty columns")]
         let columns = (inputs.len() + task.outputs.len()) as f64;
-        let bytes = |output: &&Output| match output.json_type {
-            "boolean" => 0.125,
-            "string" => 0.5,
-            _ => 8.0,
+        let bytes = |output: &&Output| match output.output_type {
+            OutputType::Number | OutputType::Integer => 8.0,
+            OutputType::Boolean => 0.125,
+            OutputType::Text => 0.5,
         };
         let outputs = task.outputs.iter().map(bytes).sum::<f64>();
         // If the model is `auto`, each row contains the reason why its model was chosen.

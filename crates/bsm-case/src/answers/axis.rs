@@ -33,6 +33,7 @@ use crate::case::axis::{AxisModel, operating_hours_per_year, stroke};
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, NutInPhase, Warm};
 use crate::vocabulary::error::invalid_input;
+use crate::vocabulary::input::InputGroup;
 use crate::vocabulary::members::{
     Data, NumberCells, NumbersOf, Rows, Sentences, answer, number_tables, row,
 };
@@ -615,10 +616,10 @@ impl AxisReport {
         sufficiency::check(case, &numbers)?;
         let rules = rules::rules(
             case,
-            &machine.axis,
+            machine,
             (&numbers, fold),
             &of_nut,
-            (preload, machine.required_life),
+            preload,
             [
                 state.motor_peak(AxisState::motor_torque),
                 state.motor_peak(AxisState::torque_utilization),
@@ -954,7 +955,7 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
         InputKey::structure_temperature_C,
         InputKey::fold_search_factor,
     ];
-    let is_idle = |key: &InputKey| key.input().title == "warm state" && !act.contains(key);
+    let is_idle = |key: &InputKey| key.group() == InputGroup::WarmState && !act.contains(key);
     let idle = case.given().iter().find(is_idle);
     match idle.filter(|_| case.axis_heat_transfer_W_K.is_some()) {
         Some(key) => {

@@ -12,7 +12,7 @@ use crate::answers::nut::Columns;
 use crate::answers::slip::{Law, integration};
 use crate::vocabulary::members::{Rows, Word, answer, row};
 use crate::vocabulary::units::{DEG, MM, MPA};
-use crate::{Answer, Case, CaseError, Output, Record, Scales, Settings};
+use crate::{Answer, Case, CaseError, Output, OutputType, Record, Scales, Settings};
 
 /// Pressure, slip and friction on a grid over the two contact ellipses of a ball, with the fraction
 /// of sticking points and the integrated results.
@@ -103,7 +103,7 @@ const HEADS: &[Output; 12] = &[
 ];
 
 const fn field(name: &'static str, unit: &'static str) -> Output {
-    Output::of_table(name, unit, "number", "", None)
+    Output::of_table(name, unit, OutputType::Number, "", None)
 }
 
 impl EllipseFields {

@@ -19,7 +19,7 @@ use crate::vocabulary::members::{Data, Maybe, Word, answer, one_member, with_uni
 use crate::vocabulary::units::{UnitChange, convert};
 use crate::{
     AnalysisKind, Answer, AxisReport, Case, CaseError, INPUTS, InputKey, ModelChoice, NameKind,
-    Output, Quantity, Record, Rule, Settings, format_interval,
+    Output, OutputType, Quantity, Record, Rule, Settings, format_interval,
 };
 
 /// Returns the output to which `name` refers, and the conversion from the unit at the end of `name`
@@ -28,7 +28,8 @@ use crate::{
 pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), CaseError> {
     let name = name.trim();
     let is_number = |output: &&Output| {
-        output.json_type == "number" && (output.key().is_some() || of_inputs(output).is_some())
+        output.output_type == OutputType::Number
+            && (output.key().is_some() || of_inputs(output).is_some())
     };
     let known = Output::named(name).filter(is_number).map(|output| (output, UnitChange::NONE));
     let in_other_unit = || {
@@ -540,8 +541,9 @@ impl Fit {
     fn exact_settings(&self, case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
         match &self.target {
             Target::Measured { output, .. } if of_inputs(output).is_none() => exact(case, settings),
-            // If no ball model can be chosen because groove data is missing, the settings remain
-            // unchanged.
+            // Ratings and axis rules can be calculated without a ball model. If the case does not
+            // suit any ball model, the settings remain unchanged, and the calculation of the
+            // target reports an error if it needs the model.
             _ => Ok(exact(case, settings).unwrap_or(*settings)),
         }
     }

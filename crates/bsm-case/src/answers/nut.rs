@@ -32,7 +32,7 @@ use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{
     Answer, Case, InputSet, MissingInput, ModelChoice, Numbers, NutProblem, Output, OutputName,
-    Quantity, Settings, format_trimmed, output,
+    OutputType, Quantity, Settings, format_trimmed, output,
 };
 
 mod train;
@@ -1142,7 +1142,8 @@ impl NutReport {
 
     /// Returns the columns of the load-displacement curve.
     pub fn curve_columns() -> Vec<&'static Output> {
-        const LOAD: Output = Output::of_table("axial_load_N", "N", "number", "axial load", None);
+        const LOAD: Output =
+            Output::of_table("axial_load_N", "N", OutputType::Number, "axial load", None);
         let of_a_nut =
             |name: OutputName| QUANTITIES.iter().find(move |quantity| quantity.name == name.name());
         let rest = CURVE.into_iter().filter_map(of_a_nut).flat_map(|quantity| quantity.columns);

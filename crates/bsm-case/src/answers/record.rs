@@ -22,7 +22,7 @@ use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{
     Answer, Case, CaseError, Content, MissingInput, ModelChoice, Numbers, OUTPUTS, Output,
-    OutputName, Section, Sensitivity, Settings, format_exact, output, torque_parts,
+    OutputName, OutputType, Section, Sensitivity, Settings, format_exact, output, torque_parts,
 };
 
 /// Hertzian pressure between ball and groove above which permanent indentations are expected
@@ -121,7 +121,9 @@ impl Record {
 
     /// Returns the value of the numeric output with the given name, if it exists.
     pub fn number(&self, name: OutputName) -> Option<f64> {
-        self.value(Output::named(name.name()).filter(|output| output.json_type == "number")?)
+        self.value(
+            Output::named(name.name()).filter(|output| output.output_type == OutputType::Number)?,
+        )
     }
 
     /// Returns true if the point is known to have more than one solution.

@@ -55,6 +55,6 @@ impl Record {
             let number = |column: &Output| Some(scales.clean(unit, self.number(column.into())?));
             [0, 1, 2].map(|member| columns.get(member).and_then(number))
         };
-        Numbers::of(SOLUTION, read, |_| true).filter(|quantity| quantity.title != "hidden")
+        Numbers::of(SOLUTION, read, |_| true).filter(|quantity| !quantity.is_hidden)
     }
 }

@@ -21,45 +21,45 @@ use crate::{
 };
 
 quantities! {
-    /// Columns of a list of nuts. The screen shows only the columns in the group "shown".
+    /// Columns of a list of nuts. Hidden columns are written only to files.
     pub CATALOG, read(&Candidate);
-    "shown" {
+    "" {
         nominal_diameter_mm = LISTS Scalar(|c| decimal(c.size.diameter / MM));
         lead_mm = INPUTS Scalar(|c| decimal(c.nut.lead / MM));
         ball_diameter_mm = INPUTS Scalar(|c| decimal(c.nut.ball_diameter / MM));
         loaded_turns = INPUTS Scalar(|c| c.nut.turns);
         nut_conformity = INPUTS Scalar(|c| c.nut.conformity.0);
     }
-    "in files" {
+    hidden {
         screw_conformity = INPUTS Scalar(|c| c.nut.conformity.1);
         contact_angle_deg = INPUTS Scalar(|c| decimal(c.nut.contact_angle / DEG));
         pitch_circle_diameter_mm = INPUTS Scalar(|c| c.nut.pitch_diameter / MM);
         loaded_balls_per_turn = INPUTS Scalar(|c| c.nut.balls_per_turn);
         starts = INPUTS Scalar(|c| c.nut.starts);
     }
-    "shown" {
+    "" {
         dynamic_load_rating_N = RATINGS Scalar(|c| c.dynamic_rating);
         static_load_rating_N = RATINGS Scalar(|c| c.static_rating);
     }
-    "in files" {
+    hidden {
         edge_load_N = RATINGS Scalar(|c| c.edge_load);
         stiffness_characteristic_N_um15 = RATINGS Scalar(|c| c.elasticity.turn_constant * 1e-9);
         preload_N = INPUTS Scalar(|c| c.preload);
         preloaded_contact_stiffness_N_um = RATINGS Scalar(|c| c.elasticity.preloaded(c.preload) * UM);
         preloaded_body_stiffness_N_um = RATINGS Scalar(|c| 2.0 * c.elasticity.body * UM);
     }
-    "shown" {
+    "" {
         preloaded_stiffness_N_um = RATINGS Scalar(|c| c.stiffness * UM);
     }
-    "in files" {
+    hidden {
         nut_outer_diameter_mm = INPUTS Scalar(|c| c.body.outer / MM);
         nut_length_mm = INPUTS Scalar(|c| c.body.length / MM);
     }
-    "shown" {
+    "" {
         nut_mass_kg = INPUTS Scalar(|c| c.mass);
         rolling_efficiency = RATINGS Scalar(|c| c.efficiency);
     }
-    "in files" {
+    hidden {
         clearance_per_turn_mm = RATINGS Scalar(|c| c.nut.ball_gap() / MM);
         axial_play_um = INPUTS Scalar(|c| c.thread.play / UM);
         nut_groove_radius_mm = RATINGS Scalar(|c| c.thread.nut.radius / MM);
@@ -93,10 +93,10 @@ impl ListColumn {
     /// Returns the columns of a list of sizes, including the columns of the axis sheet if
     /// `has_sheets` is true.
     pub fn of_sizes(has_sheets: bool) -> Vec<Self> {
-        let of_nut = CATALOG
-            .iter()
-            .flat_map(|quantity| quantity.columns.iter().map(|output| (output, quantity.title)));
-        let of_nut = of_nut.map(|(output, title)| (output, false, title == "shown"));
+        let of_nut = CATALOG.iter().flat_map(|quantity| {
+            quantity.columns.iter().map(|output| (output, quantity.is_hidden))
+        });
+        let of_nut = of_nut.map(|(output, is_hidden)| (output, false, !is_hidden));
         let of_sheet = sheet_columns().filter(|_| has_sheets);
         let is_warm = |output: &Output| output.analysis() == Some(AnalysisKind::Warm);
         let all = of_nut.chain(of_sheet.map(|output| (output, true, !is_warm(output))));

@@ -12,6 +12,7 @@ use super::nut::QUANTITIES as NUT;
 use crate::case::axis::AxisModel;
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, Warm, WarmState};
+use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::members::{Keyed, Maybe, NumbersOf, answer, number_tables, row};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{RPM, UM};
@@ -68,6 +69,12 @@ number_tables! {
     pub(crate) WarmNumbers = QUANTITIES.iter();
 }
 
+/// Conductances of the warm state that can also be inputs.
+const CONDUCTANCES: InputSet = inputs! {
+    nut_conductance_W_K screw_film_W_m2K gap_conductance_W_K ball_nut_conductance_W_K
+    ball_screw_conductance_W_K end_conductance_W_K coolant_conductance_W_K
+};
+
 /// Origin of a conductance.
 #[derive(Debug, Clone, Copy, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -112,18 +119,17 @@ impl WarmState {
     /// Builds the table of conductances. Each conductance is given, is calculated from speeds and
     /// dimensions, or has its default value of zero.
     fn conductances(&self, numbers: &Numbers) -> Keyed<Conductance> {
-        let of_state = numbers.rows().filter(|row| row.quantity.title == "conductances");
         let row = |row: &Row| {
             let (name, [value, ..]) = (row.quantity.name, row.values);
-            let is_given = InputKey::named(name).is_ok_and(|key| self.given.contains(key));
+            let key = InputKey::known(name).filter(|key| CONDUCTANCES.contains(*key))?;
             let origin = match value {
-                _ if is_given => ConductanceOrigin::Given,
+                _ if self.given.contains(key) => ConductanceOrigin::Given,
                 Some(0.0) => ConductanceOrigin::Default,
                 _ => ConductanceOrigin::Computed,
             };
-            Conductance { name, value, origin }
+            Some(Conductance { name, value, origin })
         };
-        Keyed(of_state.map(row).collect())
+        Keyed(numbers.rows().filter_map(row).collect())
     }
 }
 

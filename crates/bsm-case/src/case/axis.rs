@@ -94,8 +94,7 @@ impl FixedEnds {
             return Err(CaseError::given_twice(pretension.map(InputKey::name)));
         }
         let bearing = case.support_bearing_stiffness_N_um.map_or(f64::INFINITY, |k| k / UM);
-        let expansion = case.value_or_default(InputKey::thermal_expansion_um_m_K);
-        let growth = expansion.unwrap_or(f64::NAN) * UM * shaft.length;
+        let growth = case.number(InputKey::thermal_expansion_um_m_K) * UM * shaft.length;
         let by_force = |force| shaft.stretched_by(growth, bearing, force);
         let stretched = case.pretension_N.map(by_force).or(case.pretension_K).unwrap_or(0.0);
         Ok(Some(Self { shaft: *shaft, bearing, growth, stretched }))
@@ -235,11 +234,13 @@ impl AxisModel {
         });
         let screw = screw.filter(|(mass, _)| !mass.is_nan());
         // The mass of the nut follows from its groove, even if the groove is estimated.
-        let own_mass = || -> Option<f64> {
-            let (nut, thread) = groove.as_ref()?;
-            Some(rated_nut::body(case, nut, thread).ok()?.mass(nut, thread))
+        let nut_mass = match (case.nut_mass_kg, &groove) {
+            (Some(given), _) => Some(given),
+            (None, Some((nut, thread))) => {
+                Some(rated_nut::body(case, nut, thread)?.mass(nut, thread))
+            }
+            (None, None) => None,
         };
-        let nut_mass = case.nut_mass_kg.or_else(own_mass);
         let nut_inertia = (driven == DrivenPart::Nut).then(|| {
             case.nut_inertia_kg_m2.unwrap_or_else(|| {
                 let tube = body.tube_inertia(size.pitch_diameter);
@@ -333,6 +334,12 @@ impl AxisModel {
             ));
         }
         Ok(Some(stroke + self.body.length))
+    }
+
+    /// Returns the travel \[m\] over which the accuracy grade limits the travel error. It defaults
+    /// to the stroke.
+    pub(crate) fn useful_travel(&self, case: &Case) -> Option<f64> {
+        case.useful_travel_mm.map(|mm| mm * MM).or(self.stroke)
     }
 
     /// Returns the length of the screw section over which the nut moves \[m\]. It is the stroke
@@ -464,12 +471,6 @@ impl TorqueTolerance {
     }
 }
 
-/// Returns the travel \[m\] over which the accuracy grade limits the travel error.
-pub(crate) fn useful_travel(case: &Case) -> Option<f64> {
-    let given = case.useful_travel_mm.map(|mm| mm * MM);
-    given.or_else(|| stroke(case).ok().flatten())
-}
-
 /// Returns the part that the motor turns, which by default is the nut if only the nut turns, and
 /// the screw otherwise.
 ///
@@ -531,7 +532,7 @@ pub(crate) fn mount(case: &Case) -> Mount {
         diameter: case.shaft_diameter_mm.map(|mm| mm * MM),
         bore: Bore {
             diameter: case.screw_bore_mm.unwrap_or(0.0) * MM,
-            filling_density: case.value_or_default(InputKey::coolant_density_kg_m3).unwrap_or(0.0),
+            filling_density: case.number(InputKey::coolant_density_kg_m3),
         },
         buckling_support: case.entries.buckling_support.map(|Named(support)| support),
         buckling_length: case.buckling_length_mm.map(|mm| mm * MM),

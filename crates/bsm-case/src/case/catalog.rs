@@ -40,7 +40,7 @@ pub struct Catalog {
 keys! {
     /// Keys of the lists and limits of a catalog. The value of a key is a list of numbers, a range
     /// of two numbers, or a single number.
-    pub LISTS;
+    pub LISTS of ListKey;
     nominal_diameter_mm ["mm" "d_0"] Within(MIN_LENGTH_MM, 1e4), None, "nominal diameters";
     lead_mm ["mm" "P_h"] Within(MIN_LENGTH_MM, 1e4), None, "leads";
     ball_diameter_mm ["mm" "D_w"] Within(MIN_LENGTH_MM, 1e3), None, "ball diameters";
@@ -131,10 +131,9 @@ impl Catalog {
     pub fn from_entries(
         entries: impl IntoIterator<Item = (String, Value)>,
     ) -> Result<Self, CaseError> {
-        let mut given =
-            ListEntries(serde_json::from_str(STANDARD_CATALOG).map_err(CaseError::Syntax)?);
+        let mut given = ListEntries::standard()?;
         for (key, value) in entries {
-            given.set(&key, value)?;
+            given.set(&key, &value)?;
         }
         given.catalog()
     }
@@ -172,29 +171,50 @@ impl Catalog {
     }
 }
 
-/// Complete set of lists, ranges and numbers, as a JSON object.
-struct ListEntries(Map<String, Value>);
+/// Numbers of a catalog key.
+struct ListEntry {
+    numbers: Vec<f64>,
+    /// True for a list of numbers and for a range, false for a single number.
+    is_list: bool,
+}
+
+/// Complete set of lists, ranges and numbers, in the order of [`LISTS`].
+struct ListEntries([ListEntry; LISTS.len()]);
 
 impl ListEntries {
-    fn set(&mut self, key: &str, value: Value) -> Result<(), CaseError> {
-        let names = || LISTS.iter().map(|list| list.name);
-        let Some((list, standard)) = names().position(|name| name == key).zip(self.0.get_mut(key))
-        else {
-            return Err(CaseError::unknown(NameKind::List, key, nearest(key, names())));
+    /// Reads the standard catalog.
+    fn standard() -> Result<Self, CaseError> {
+        let standard: Map<String, Value> =
+            serde_json::from_str(STANDARD_CATALOG).map_err(CaseError::Syntax)?;
+        Ok(Self(ListKey::ALL.map(|key| {
+            let value = &standard[key.quantity().name];
+            let numbers = value.as_array().map_or(std::slice::from_ref(value), Vec::as_slice);
+            ListEntry {
+                numbers: numbers.iter().filter_map(Value::as_f64).collect(),
+                is_list: value.is_array(),
+            }
+        })))
+    }
+
+    fn set(&mut self, name: &str, value: &Value) -> Result<(), CaseError> {
+        let Some(key) = ListKey::from_name(name) else {
+            let names = LISTS.iter().map(|list| list.name);
+            return Err(CaseError::unknown(NameKind::List, name, nearest(name, names)));
         };
-        let invalid_input = |what: &str| error::invalid_input(key, what);
-        let (many, is_range) = (standard.is_array(), key.ends_with("_range"));
-        let numbers = match &value {
-            Value::Array(list) if many => list.as_slice(),
-            one if !many => std::slice::from_ref(one),
+        let invalid_input = |what: &str| error::invalid_input(name, what);
+        let entry = &mut self.0[key as usize];
+        let numbers = match value {
+            Value::Array(list) if entry.is_list => list.as_slice(),
+            one if !entry.is_list => std::slice::from_ref(one),
             _ => return Err(invalid_input("must be a list of numbers")),
         };
         let numbers: Option<Vec<_>> = numbers.iter().map(Value::as_f64).collect();
         let numbers =
             numbers.ok_or_else(|| invalid_input("contains an entry that is not a number"))?;
         for number in &numbers {
-            LISTS[list].rule.check(key, *number)?;
+            key.quantity().rule.check(name, *number)?;
         }
+        let is_range = name.ends_with("_range");
         match numbers[..] {
             [] => return Err(invalid_input("must not be empty")),
             [low, high] if is_range && low <= high => {}
@@ -203,57 +223,54 @@ impl ListEntries {
             }
             _ => {}
         }
-        *standard = value;
+        entry.numbers = numbers;
         Ok(())
     }
 
-    /// Returns the numbers in the list with the given key, converted to SI units.
-    fn all(&self, key: &str, unit: f64) -> Vec<f64> {
-        let value = self.0.get(key);
-        let list = value
-            .and_then(Value::as_array)
-            .map_or(value.map_or(&[][..], std::slice::from_ref), Vec::as_slice);
-        list.iter().filter_map(Value::as_f64).map(|number| number * unit).collect()
+    /// Returns the numbers of a key, converted to SI units.
+    fn all(&self, key: ListKey, unit: f64) -> Vec<f64> {
+        self.0[key as usize].numbers.iter().map(|number| number * unit).collect()
     }
 
-    fn number(&self, key: &str, unit: f64) -> f64 {
-        self.all(key, unit).first().copied().unwrap_or(f64::NAN)
+    fn number(&self, key: ListKey, unit: f64) -> f64 {
+        self.0[key as usize].numbers[0] * unit
     }
 
-    fn range(&self, key: &str) -> Range {
-        let range = self.all(key, 1.0);
-        Range { low: range[0], high: range[range.len() - 1] }
+    fn range(&self, key: ListKey) -> Range {
+        let numbers = &self.0[key as usize].numbers;
+        Range { low: numbers[0], high: numbers[numbers.len() - 1] }
     }
 
     fn catalog(&self) -> Result<Catalog, CaseError> {
+        use ListKey as K;
         let lists = Lists {
-            diameters: self.all("nominal_diameter_mm", MM),
-            leads: self.all("lead_mm", MM),
-            balls: self.all("ball_diameter_mm", MM),
-            turns: self.all("loaded_turns", 1.0),
-            conformities: self.all("nut_conformity", 1.0),
-            contact_angles: self.all("contact_angle_deg", DEG),
+            diameters: self.all(K::nominal_diameter_mm, MM),
+            leads: self.all(K::lead_mm, MM),
+            balls: self.all(K::ball_diameter_mm, MM),
+            turns: self.all(K::loaded_turns, 1.0),
+            conformities: self.all(K::nut_conformity, 1.0),
+            contact_angles: self.all(K::contact_angle_deg, DEG),
             offered: Vec::new(),
         };
         if lists.len() > MAX_COMBINATIONS {
             return Err(CaseError::grid_too_large(MAX_COMBINATIONS));
         }
         let steel = Material {
-            youngs_modulus: self.number("youngs_modulus_GPa", GPA),
-            poisson_ratio: self.number("poisson_ratio", 1.0),
+            youngs_modulus: self.number(K::youngs_modulus_GPa, GPA),
+            poisson_ratio: self.number(K::poisson_ratio, 1.0),
         };
         let limits = Limits {
-            ball_over_lead: self.number("largest_ball_over_lead", 1.0),
-            least_ball_over_lead: self.number("smallest_ball_over_lead", 1.0),
-            ball_over_diameter: self.range("ball_over_diameter_range"),
-            ball_over_root: self.number("largest_ball_over_screw_root", 1.0),
-            ball_gap: self.number("largest_ball_gap_over_ball", 1.0),
-            axial_play: self.number("axial_play_um", UM),
-            turns: self.range("turns_range"),
-            conformity: self.range("nut_conformity_range"),
+            ball_over_lead: self.number(K::largest_ball_over_lead, 1.0),
+            least_ball_over_lead: self.number(K::smallest_ball_over_lead, 1.0),
+            ball_over_diameter: self.range(K::ball_over_diameter_range),
+            ball_over_root: self.number(K::largest_ball_over_screw_root, 1.0),
+            ball_gap: self.number(K::largest_ball_gap_over_ball, 1.0),
+            axial_play: self.number(K::axial_play_um, UM),
+            turns: self.range(K::turns_range),
+            conformity: self.range(K::nut_conformity_range),
             material: (steel, steel),
-            preload: self.number("preload_over_dynamic_rating", 1.0),
-            rolling_lever: self.number("rolling_friction_mm", MM),
+            preload: self.number(K::preload_over_dynamic_rating, 1.0),
+            rolling_lever: self.number(K::rolling_friction_mm, MM),
         };
         Ok(Catalog { lists, limits })
     }

@@ -65,7 +65,7 @@ pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<N
         material: case.reader().materials(),
         balls_per_turn: balls_per_turn.unwrap_or(f64::NAN),
         turns: turns.unwrap_or(f64::NAN),
-        starts: case.value_or_default(InputKey::starts).unwrap_or(1.0),
+        starts: case.number(InputKey::starts),
     };
     let Some(bottoms) = case.groove_bottom_distance_mm else { return Ok(nut) };
     let contact_angle = nut.contact_angle_of(bottoms * MM).ok_or_else(|| {

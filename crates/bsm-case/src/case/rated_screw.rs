@@ -111,7 +111,7 @@ impl RatedScrew {
             1.0,
             "core and nominal diameter, accurate to 20 % (Z31)",
         );
-        let starts = case.value_or_default(InputKey::starts).unwrap_or(1.0);
+        let starts = case.number(InputKey::starts);
         let given_turns = balls_and_turns(case).1;
         let turns = given_turns.or(estimated_turns);
         let usual = NutBody::of_ratings(nominal, lead / starts, turns, nut_set(case));
@@ -168,7 +168,7 @@ impl RatedScrew {
 /// Returns the typical length of the nut set \[mm\], or `None` if the lead or the number of loaded
 /// turns is unknown.
 pub(crate) fn usual_nut_length_mm(case: &Case) -> Option<f64> {
-    let starts = case.value_or_default(InputKey::starts).unwrap_or(1.0);
+    let starts = case.number(InputKey::starts);
     let (pitch, turns) = (case.lead()? * MM / starts, balls_and_turns(case).1?);
     Some(nut_set(case).usual_length(pitch, turns) / MM)
 }

@@ -5,7 +5,7 @@ use bsm_design::{
     Requirement, Travel,
 };
 use bsm_dyn::{Direction, angles::Optimum};
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::Rule::{Above, AtLeast, Between};
 use crate::case::axis::{
@@ -14,15 +14,20 @@ use crate::case::axis::{
 };
 use crate::case::cycle::Cycle;
 use crate::case::file::quantity_of;
+use crate::vocabulary::entries::Choice;
+use crate::vocabulary::input::InputGroup;
 use crate::vocabulary::input_set::inputs;
-use crate::vocabulary::names::{GivenNames, REQUIREMENT_CHOICES, json_or_text, wrong_type};
+use crate::vocabulary::names::{GivenNames, json_or_text, wrong_type};
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM, UM, convert};
-use crate::{Case, CaseError, InputKey, InputSet, NameKind, Settings, entries, nearest};
+use crate::{
+    Case, CaseError, InputKey, InputSet, ModelChoice, NameKind, Quantity, RequirementChoice,
+    Settings, entries, nearest,
+};
 
 keys! {
     /// Numeric keys that occur only in requirements.
-    pub REQUIREMENT_INPUTS;
+    pub REQUIREMENT_INPUTS of RequirementKey;
     screw_torque_Nm ["N m"] Above(0.0), None, "torque on the screw; replaces axial_load_N";
     screw_length_mm ["mm"] Above(0.0), None, "length of the screw; alternative: stroke_mm";
     least_efficiency [""] Between(0.0, 1.0), None, "smallest permitted efficiency";
@@ -66,11 +71,11 @@ const SHEET_INPUTS: InputSet = inputs! {
 /// Returns the case inputs that a requirement may contain. Some of them affect the selection, and
 /// others are used only by `bsm axis`, so that all commands can read the same file.
 fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
-    let of_axis = |key: &InputKey| {
-        let title = key.input().title;
-        let motion = title == "operating point" && !SINGLE_BALL_INPUTS.contains(*key);
-        let of_sheet = ["lubricant", "warm state"].contains(&title);
-        (title == "axis" && !NOT_OF_AXES.contains(*key)) || of_sheet || motion
+    let of_axis = |key: &InputKey| match key.group() {
+        InputGroup::OperatingPoint => !SINGLE_BALL_INPUTS.contains(*key),
+        InputGroup::Axis => !NOT_OF_AXES.contains(*key),
+        InputGroup::Lubricant | InputGroup::WarmState => true,
+        InputGroup::Screw | InputGroup::Nut => false,
     };
     InputKey::ALL.into_iter().filter(move |key| of_axis(key) || SHEET_INPUTS.contains(*key))
 }
@@ -163,8 +168,93 @@ impl RequirementFile {
         given.case.override_with(&set.case);
         given.case.lead_mm = set.case.lead_mm.or(lead_mm);
         given.case.lead_angle_deg = set.case.lead_angle_deg.or(lead_angle_deg);
-        given.own.extend(set.own);
+        given.own.override_with(&set.own);
         given.requirement(standard)
+    }
+}
+
+impl RequirementChoice {
+    /// Returns the words that are permitted as the value of the key. The first word is the default.
+    pub fn words(self) -> Vec<&'static str> {
+        fn names<T: Choice>() -> Vec<&'static str> {
+            T::NAMES.iter().map(|(name, _)| *name).collect()
+        }
+        match self {
+            Self::Motion => names::<Direction>(),
+            Self::Objective => names::<Objective>(),
+            Self::Model => ModelChoice::names().collect(),
+            Self::AllowWarnings => names::<bool>(),
+        }
+    }
+}
+
+/// Values of the keys that occur only in requirements. Each value has been checked.
+#[derive(Default)]
+struct OwnValues {
+    /// Numbers in the order of [`REQUIREMENT_INPUTS`].
+    numbers: [Option<f64>; REQUIREMENT_INPUTS.len()],
+    motion: Option<Direction>,
+    objective: Option<Objective>,
+    model: Option<ModelChoice>,
+    allow_warnings: Option<bool>,
+}
+
+impl OwnValues {
+    /// Sets the number of a key.
+    fn set_number(&mut self, key: RequirementKey, value: &Value) -> Result<(), CaseError> {
+        let Quantity { name, rule, .. } = key.quantity();
+        let number = value.as_f64().ok_or_else(|| wrong_type(name, value, "a number"))?;
+        self.numbers[key as usize] = Some(rule.checked(name, number)?);
+        Ok(())
+    }
+
+    /// Sets the word of a key. `allow_warnings` can also be a JSON truth value.
+    fn set_word(&mut self, key: RequirementChoice, value: &Value) -> Result<(), CaseError> {
+        let wrong = || {
+            let expected = format!("one of {}", key.words().join(", "));
+            wrong_type(key.name(), value, &expected)
+        };
+        let word = match value {
+            Value::Bool(truth) => truth.name(),
+            Value::String(word) => word,
+            _ => return Err(wrong()),
+        };
+        match key {
+            RequirementChoice::Motion => {
+                self.motion = Some(Choice::from_name(word).ok_or_else(wrong)?);
+            }
+            RequirementChoice::Objective => {
+                self.objective = Some(Choice::from_name(word).ok_or_else(wrong)?);
+            }
+            RequirementChoice::Model => {
+                self.model = Some(ModelChoice::from_name(word).map_err(|_| wrong())?);
+            }
+            RequirementChoice::AllowWarnings => {
+                self.allow_warnings = Some(Choice::from_name(word).ok_or_else(wrong)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Replaces the values that are given in `other`.
+    fn override_with(&mut self, other: &Self) {
+        for (number, new) in self.numbers.iter_mut().zip(other.numbers) {
+            *number = new.or(*number);
+        }
+        self.motion = other.motion.or(self.motion);
+        self.objective = other.objective.or(self.objective);
+        self.model = other.model.or(self.model);
+        self.allow_warnings = other.allow_warnings.or(self.allow_warnings);
+    }
+
+    /// Returns the given or default number of a key, or `None` if the key has neither.
+    fn number(&self, key: RequirementKey) -> Option<f64> {
+        self.numbers[key as usize].or(key.quantity().default)
+    }
+
+    /// Returns the given word of a key, or the default, which is the first word.
+    fn word<T: Choice>(given: Option<T>) -> T {
+        given.unwrap_or(T::NAMES[0].1)
     }
 }
 
@@ -172,8 +262,7 @@ impl RequirementFile {
 #[derive(Default)]
 struct RequirementKeys {
     case: Case,
-    /// Numbers and strings of keys that occur only in requirements.
-    own: Map<String, Value>,
+    own: OwnValues,
     /// Names of the quantities that the requirement has specified so far.
     given: GivenNames,
 }
@@ -183,21 +272,11 @@ impl RequirementKeys {
         if let (Some(quantity), false) = (Self::quantity_of(key, value), value.is_null()) {
             self.given.add(quantity, key)?;
         }
-        if let Some((_, words, _)) = REQUIREMENT_CHOICES.iter().find(|(name, ..)| *name == key) {
-            let word = value.as_bool().map(|truth| truth.to_string());
-            let word = word.or_else(|| value.as_str().map(str::to_owned));
-            let Some(word) = word.filter(|word| words.contains(&word.as_str())) else {
-                let expected = format!("one of {}", words.join(", "));
-                return Err(wrong_type(key, value, &expected));
-            };
-            self.own.insert(key.to_owned(), word.into());
-            return Ok(());
+        if let Some(choice) = RequirementChoice::from_name(key) {
+            return self.own.set_word(choice, value);
         }
-        if let Some(input) = REQUIREMENT_INPUTS.iter().find(|input| input.name == key) {
-            let number = value.as_f64().ok_or_else(|| wrong_type(key, value, "a number"))?;
-            input.rule.check(input.name, number)?;
-            self.own.insert(key.to_owned(), value.clone());
-            return Ok(());
+        if let Some(key) = RequirementKey::from_name(key) {
+            return self.own.set_number(key, value);
         }
         let names = || from_cases().map(InputKey::name);
         let known = key == "description"
@@ -206,7 +285,7 @@ impl RequirementKeys {
             || convert(key, names()).is_some();
         if !known {
             let names = names().chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
-            let names = names.chain(REQUIREMENT_CHOICES.iter().map(|(name, ..)| *name));
+            let names = names.chain(RequirementChoice::ALL.map(RequirementChoice::name));
             let names = names.chain(ENTRIES_FROM_CASES);
             return Err(CaseError::unknown(NameKind::Requirement, key, nearest(key, names)));
         }
@@ -216,25 +295,14 @@ impl RequirementKeys {
     /// Returns the name of the quantity to which a key with any unit refers, or `None` for an
     /// unknown key.
     fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
-        let numbers = REQUIREMENT_INPUTS.iter().map(|input| input.name);
-        let mut own = numbers.chain(REQUIREMENT_CHOICES.iter().map(|(name, ..)| *name));
-        own.find(|name| *name == key).or_else(|| quantity_of(key, value))
-    }
-
-    fn number(&self, key: &str) -> Option<f64> {
-        let input = REQUIREMENT_INPUTS.iter().find(|input| input.name == key);
-        self.own.get(key).and_then(Value::as_f64).or(input.and_then(|input| input.default))
-    }
-
-    fn word(&self, key: &str) -> &str {
-        let first = REQUIREMENT_CHOICES.iter().find(|(name, ..)| *name == key);
-        let first = first.map_or("", |(_, words, _)| words[0]);
-        self.own.get(key).and_then(Value::as_str).unwrap_or(first)
+        let number = || Some(RequirementKey::from_name(key)?.quantity().name);
+        let choice = RequirementChoice::from_name(key).map(RequirementChoice::name);
+        choice.or_else(number).or_else(|| quantity_of(key, value))
     }
 
     /// Returns the load case: a cycle, an operating point, or a torque.
     fn demand(&self, case: &Case) -> Result<LoadCase, CaseError> {
-        let torque = self.number("screw_torque_Nm");
+        let torque = self.own.number(RequirementKey::screw_torque_Nm);
         let Some(torque) = torque else {
             let segments = Cycle::of(case)?.segments;
             let has_force = segments.iter().flat_map(|part| part.force).any(|force| force != 0.0);
@@ -265,50 +333,55 @@ impl RequirementKeys {
     /// * `usual`: default range, whose ends replace missing limits.
     fn range(
         &self,
-        (low, high): (&'static str, &'static str),
+        (low, high): (RequirementKey, RequirementKey),
         usual: Range,
     ) -> Result<Bounds, CaseError> {
-        let limits = Bounds { min: self.number(low), max: self.number(high) };
+        let limits = Bounds { min: self.own.number(low), max: self.own.number(high) };
         let searched = limits.range_or(usual);
         // The two ends of a searched range must differ. A fixed value has a separate key.
         if searched.low < searched.high {
             return Ok(limits);
         }
-        let rule = format!("> {low} = {}", searched.low);
-        Err(CaseError::out_of_range(high, searched.high, rule))
+        let rule = format!("> {} = {}", low.quantity().name, searched.low);
+        Err(CaseError::out_of_range(high.quantity().name, searched.high, rule))
     }
 
     fn ranges(&self) -> Result<Ranges, CaseError> {
+        use RequirementKey as K;
         let usual = USUAL_CONTACT_ANGLES_DEG;
-        let angles = ("smallest_contact_angle_deg", "largest_contact_angle_deg");
+        let angles = (K::smallest_contact_angle_deg, K::largest_contact_angle_deg);
         let contact_angle = self.range(angles, usual)?.range_or(usual);
         let radii =
-            ("smallest_ball_radius_over_pitch_radius", "largest_ball_radius_over_pitch_radius");
+            (K::smallest_ball_radius_over_pitch_radius, K::largest_ball_radius_over_pitch_radius);
         let grooves =
-            ("smallest_ball_radius_over_groove_radius", "largest_ball_radius_over_groove_radius");
+            (K::smallest_ball_radius_over_groove_radius, K::largest_ball_radius_over_groove_radius);
         Ok(Ranges {
             contact_angle: contact_angle.map(|deg| deg * DEG),
-            slimmest: self.number("largest_length_over_pitch_radius").map(f64::recip),
+            slimmest: self.own.number(K::largest_length_over_pitch_radius).map(f64::recip),
             ball_over_radius: self.range(radii, Ranges::LIN_BALL_OVER_RADIUS)?,
             ball_over_groove: self.range(grooves, Ranges::LIN_BALL_OVER_GROOVE)?,
         })
     }
 
-    #[expect(clippy::too_many_lines, reason = "the keys are converted one after the other")]
+    /// Returns the given screw length or the stroke. A given screw length takes precedence over the
+    /// range of the cycle.
+    fn travel(&self, case: &Case) -> Result<Travel, CaseError> {
+        let forms = [RequirementKey::screw_length_mm.quantity().name, InputKey::stroke_mm.name()];
+        let length = self.own.number(RequirementKey::screw_length_mm);
+        match (length, stroke(case)?) {
+            (Some(_), Some(_)) if case.stroke_mm.is_some() => Err(CaseError::given_twice(forms)),
+            (Some(mm), _) => Ok(Travel::Screw(mm * MM)),
+            (None, Some(stroke)) => Ok(Travel::Stroke(stroke)),
+            (None, None) => Err(CaseError::neither(forms)),
+        }
+    }
+
     fn requirement(self, standard: Lists) -> Result<RequirementFile, CaseError> {
+        use RequirementKey as K;
         let mut case = self.case.clone();
         case.check_but(AXIAL_LOAD)?;
         case.given().check_friction()?;
-        let forms = ["screw_length_mm", "stroke_mm"];
-        let travel = match (self.number(forms[0]), stroke(&case)?.map(|meters| meters / MM)) {
-            (Some(_), Some(_)) if case.stroke_mm.is_some() => {
-                return Err(CaseError::given_twice(forms));
-            }
-            // A given screw length takes precedence over the range of the cycle.
-            (Some(mm), _) => Travel::Screw(mm * MM),
-            (None, Some(mm)) => Travel::Stroke(mm * MM),
-            (None, None) => return Err(CaseError::neither(forms)),
-        };
+        let travel = self.travel(&case)?;
         // If both lead and lead angle are given, they determine the pitch circle diameter.
         if let (Some(lead), Some(angle), None) =
             (case.lead_mm, case.lead_angle_deg, case.pitch_circle_diameter_mm)
@@ -326,13 +399,7 @@ impl RequirementKeys {
             return Err(CaseError::missing(&missing, "for a design"));
         }
         let mut notes = Vec::new();
-        let (usual, [low, high]) = USUAL_FRICTION;
-        if !case.given().has_friction() {
-            case.friction_coefficient = Some(usual);
-            notes.push(format!(
-                "friction_coefficient = {usual} is assumed; typical values are {low} to {high}."
-            ));
-        }
+        notes.extend(assume_friction(&mut case));
         let motion = Cycle::of(&case)?;
         let life = required_life(&case, motion.time, stroke(&case)?)?;
         if life.is_none() {
@@ -340,20 +407,9 @@ impl RequirementKeys {
         }
         // The optimum angles of a lubricated screw are calculated with the default friction
         // coefficient.
-        let friction = case.friction_coefficient.unwrap_or(usual);
-        let conformity = match (case.nut_conformity, case.screw_conformity) {
-            (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
-                return Err(CaseError::Invalid(format!(
-                    "nut_conformity = {nut} and screw_conformity = {screw} differ, but a design uses one conformity for both; give \
-                     only one of them"
-                )));
-            }
-            (nut, screw) => nut.or(screw),
-        };
-        let direction = match self.word("motion") {
-            "linear-to-rotary" => Direction::LinearToRotary,
-            _ => Direction::RotaryToLinear,
-        };
+        let friction = case.friction_coefficient.unwrap_or(USUAL_FRICTION.0);
+        let conformity = conformity(&case)?;
+        let direction = OwnValues::word(self.own.motion);
         // The direction follows from the key `motion`, so the sign of the speed is ignored.
         let towards = |speed: f64| direction.sign() * speed.abs();
         case.screw_speed_rpm = case.screw_speed_rpm.map(towards);
@@ -362,25 +418,12 @@ impl RequirementKeys {
         let (preload, play) = preload(&case)?;
         case.axial_play_um = case.axial_play_um.or(play.map(|play| play / UM));
         let ranges = self.ranges()?;
-        let pitches = match (case.lead_mm, case.lead_angle_deg) {
-            (Some(lead), _) => vec![Pitch::Lead(lead * MM)],
-            (None, Some(angle)) => vec![Pitch::Angle(angle * DEG)],
-            (None, None) if direction.is_back() => {
-                // Lin's rule uses the largest contact angle, and the lead angle for which this
-                // contact angle is optimal.
-                let largest = ranges.contact_angle.high / DEG;
-                let contact = *case.contact_angle_deg.get_or_insert(largest);
-                let lead = Optimum::lead_angle(direction, contact * DEG, friction);
-                vec![Pitch::Angle(lead.ok_or_else(|| {
-                    CaseError::Invalid(format!(
-                        "no lead angle has its best efficiency at contact_angle_deg = {contact}; give a larger contact angle, lead_mm or \
-                         lead_angle_deg"
-                    ))
-                })?)]
-            }
-            (None, None) => standard.leads.into_iter().map(Pitch::Lead).collect(),
-        };
-        let limit = |key| self.number(key).unwrap_or(f64::NAN);
+        if case.lead_mm.is_none() && case.lead_angle_deg.is_none() && direction.is_back() {
+            // Lin's rule uses the largest contact angle.
+            case.contact_angle_deg.get_or_insert(ranges.contact_angle.high / DEG);
+        }
+        let pitches = pitches(&case, direction, friction, standard.leads)?;
+        let limit = |key| self.own.number(key).unwrap_or(f64::NAN);
         let problem = Requirement {
             demand,
             carriage: carriage(&case)?,
@@ -400,7 +443,7 @@ impl RequirementKeys {
             life,
             friction,
             material: case.reader().materials(),
-            pressure: limit("pressure_limit_MPa") * MPA,
+            pressure: limit(K::pressure_limit_MPa) * MPA,
             speed_number: case.speed_number_limit_mm_min.map(|limit| limit * MM * RPM),
             make: make(&case),
             grade: case.entries.accuracy_grade.map(|word| word.grade),
@@ -408,19 +451,13 @@ impl RequirementKeys {
                 gear_ratio: case.number(InputKey::gear_ratio),
                 max_speed: motor_speed(&case).map(|rpm| rpm * RPM),
             },
-            ball_over_lead: limit("largest_ball_over_lead"),
-            largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,
-            largest_turns: self.number("largest_loaded_turns"),
-            least_efficiency: self.number("least_efficiency"),
-            largest_power: self.number("largest_input_power_W"),
+            ball_over_lead: limit(K::largest_ball_over_lead),
+            largest_diameter: limit(K::largest_pitch_circle_diameter_mm) * MM,
+            largest_turns: self.own.number(K::largest_loaded_turns),
+            least_efficiency: self.own.number(K::least_efficiency),
+            largest_power: self.own.number(K::largest_input_power_W),
             ranges,
-            objective: match self.word("objective") {
-                "capacity" => Objective::Capacity,
-                "efficiency" => Objective::Efficiency,
-                "inertia" => Objective::Inertia,
-                "power" => Objective::Power,
-                _ => Objective::Mass,
-            },
+            objective: OwnValues::word(self.own.objective),
             fixed: FixedValues {
                 pitch_diameter: case.pitch_circle_diameter_mm.map(|mm| mm * MM),
                 ball: case.ball_diameter_mm.map(|mm| mm * MM),
@@ -430,8 +467,61 @@ impl RequirementKeys {
             },
             stock: standard.balls,
         };
-        let settings = Settings::named(self.word("model"), None, None)?;
-        let allow_warnings = self.word("allow_warnings") == "true";
+        let settings =
+            Settings { model: self.own.model.unwrap_or_default(), ..Settings::default() };
+        let allow_warnings = OwnValues::word(self.own.allow_warnings);
         Ok(RequirementFile { case, settings, problem, allow_warnings, notes })
+    }
+}
+
+/// Sets a typical friction coefficient if the case specifies no friction, and returns a note on this
+/// assumption.
+fn assume_friction(case: &mut Case) -> Option<String> {
+    if case.given().has_friction() {
+        return None;
+    }
+    let (usual, [low, high]) = USUAL_FRICTION;
+    case.friction_coefficient = Some(usual);
+    Some(format!("friction_coefficient = {usual} is assumed; typical values are {low} to {high}."))
+}
+
+/// Returns the conformity of nut and screw, or `None` if no conformity is given.
+fn conformity(case: &Case) -> Result<Option<f64>, CaseError> {
+    match (case.nut_conformity, case.screw_conformity) {
+        (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
+            Err(CaseError::Invalid(format!(
+                "nut_conformity = {nut} and screw_conformity = {screw} differ, but a design uses one conformity for both; give \
+                 only one of them"
+            )))
+        }
+        (nut, screw) => Ok(nut.or(screw)),
+    }
+}
+
+/// Returns the leads or lead angles of the search. If the load drives the screw and neither lead nor
+/// lead angle is given, the result is the lead angle for which the contact angle is optimal.
+///
+/// * `friction`: friction coefficient with which the optimum is calculated.
+/// * `standard_leads`: leads to choose from if neither lead nor lead angle is given \[m\].
+fn pitches(
+    case: &Case,
+    direction: Direction,
+    friction: f64,
+    standard_leads: Vec<f64>,
+) -> Result<Vec<Pitch>, CaseError> {
+    match (case.lead_mm, case.lead_angle_deg) {
+        (Some(lead), _) => Ok(vec![Pitch::Lead(lead * MM)]),
+        (None, Some(angle)) => Ok(vec![Pitch::Angle(angle * DEG)]),
+        (None, None) if direction.is_back() => {
+            let contact = case.number(InputKey::contact_angle_deg);
+            let lead = Optimum::lead_angle(direction, contact * DEG, friction);
+            Ok(vec![Pitch::Angle(lead.ok_or_else(|| {
+                CaseError::Invalid(format!(
+                    "no lead angle has its best efficiency at contact_angle_deg = {contact}; give a larger contact angle, lead_mm or \
+                     lead_angle_deg"
+                ))
+            })?)])
+        }
+        (None, None) => Ok(standard_leads.into_iter().map(Pitch::Lead).collect()),
     }
 }

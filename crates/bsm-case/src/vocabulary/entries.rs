@@ -4,10 +4,10 @@
 use std::borrow::Cow;
 
 use bsm_design::{
-    Contamination, EndFixity, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod,
+    Contamination, EndFixity, Grade, Make, Objective, PRELOAD_CLASSES, PreloadClass, PreloadMethod,
     RatingBasis, StiffnessAt,
 };
-use bsm_dyn::{DrivenPart, lubrication::BaseOil};
+use bsm_dyn::{Direction, DrivenPart, lubrication::BaseOil};
 use bsm_nut::Flanks;
 use bsm_nut::thermal::Coolant;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -310,6 +310,11 @@ pub trait Choice: Copy + PartialEq + 'static {
     fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, own)| *own == self).map_or("", |(name, _)| name)
     }
+
+    /// Returns the value with the given name.
+    fn from_name(name: &str) -> Option<Self> {
+        Self::NAMES.iter().find(|(own, _)| *own == name).map(|(_, value)| *value)
+    }
 }
 
 macro_rules! choices {
@@ -327,7 +332,10 @@ choices! {
         "normal" = Self::Normal, "slight" = Self::Slight, "typical" = Self::Typical,
         "severe" = Self::Severe, "very-severe" = Self::VerySevere;
     DisplayUnits: "metric" = Self::Metric, "inch" = Self::Inch;
+    bool: "false" = false, "true" = true;
     Coolant: "water" = Self::Water, "oil" = Self::Oil;
+    Direction: "rotary-to-linear" = Self::RotaryToLinear,
+        "linear-to-rotary" = Self::LinearToRotary;
     DrivenPart: "screw" = Self::Screw, "nut" = Self::Nut;
     End: "low" = Self::Low, "high" = Self::High;
     Flanks: "+" = Self::Plus, "-" = Self::Minus, "both" = Self::Both;
@@ -336,6 +344,8 @@ choices! {
     Make: "rolled" = Self::Rolled, "ground" = Self::Ground, "caged" = Self::Caged,
         "high-speed" = Self::HighSpeed;
     MoveProfile: "trapezoidal" = Self::Trapezoidal, "triangular" = Self::Triangular;
+    Objective: "mass" = Self::Mass, "efficiency" = Self::Efficiency, "capacity" = Self::Capacity,
+        "inertia" = Self::Inertia, "power" = Self::Power;
     PreloadMethod: "pair" = Self::DoubleNut, "offset" = Self::Offset, "oversize" = Self::Oversize;
     StiffnessAt: "0.3 Ca" = Self::Load(0.3), "0.28 Ca" = Self::Load(0.28),
         "preload 0.1 Ca" = Self::Preload(0.1);
@@ -360,8 +370,7 @@ impl<T: Choice> Serialize for Named<T> {
 impl<'de, T: Choice> Deserialize<'de> for Named<T> {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let word = String::deserialize(deserializer)?;
-        let found = T::NAMES.iter().find(|(name, _)| *name == word);
-        found.map(|(_, own)| Self(*own)).ok_or_else(|| {
+        T::from_name(&word).map(Self).ok_or_else(|| {
             let names: Vec<_> = T::NAMES.iter().map(|(name, _)| format!("`{name}`")).collect();
             serde::de::Error::custom(format!("`{word}` is not one of {}", names.join(", ")))
         })

@@ -95,8 +95,39 @@ impl Rule {
     }
 }
 
+/// Group of inputs in the documentation and in forms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum InputGroup {
+    /// Inputs of the screw and its balls.
+    Screw,
+    /// Loads, speeds and friction.
+    OperatingPoint,
+    /// Inputs of the nut and its circuits.
+    Nut,
+    /// Inputs of the lubricant.
+    Lubricant,
+    /// Inputs of the axis: bearings, motor, duty and requirements.
+    Axis,
+    /// Inputs of the warm steady state.
+    WarmState,
+}
+
+impl InputGroup {
+    /// Returns the title of the group.
+    const fn title(self) -> &'static str {
+        match self {
+            Self::Screw => "screw",
+            Self::OperatingPoint => "operating point",
+            Self::Nut => "nut",
+            Self::Lubricant => "lubricant",
+            Self::Axis => "axis",
+            Self::WarmState => "warm state",
+        }
+    }
+}
+
 macro_rules! inputs {
-    ($($group:literal {
+    ($($group:ident {
         $($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*
     })*) => {
         /// An operating point, given by named inputs with units. All inputs are optional. Each
@@ -117,7 +148,7 @@ macro_rules! inputs {
             unit: $unit,
             symbol: concat!($($symbol)?),
             about: $about,
-            title: $group,
+            title: InputGroup::$group.title(),
             rule: $rule,
             default: $default,
             ..Quantity::WHOLE
@@ -133,6 +164,13 @@ macro_rules! inputs {
         impl InputKey {
             /// All inputs, in the order of the documentation.
             pub const ALL: [Self; INPUTS.len()] = [$($(Self::$name),*),*];
+
+            /// Returns the group to which the input belongs.
+            pub(crate) fn group(self) -> InputGroup {
+                match self {
+                    $($(Self::$name => InputGroup::$group,)*)*
+                }
+            }
         }
 
         impl Case {
@@ -186,7 +224,9 @@ impl InputKey {
         Self::known(name).ok_or_else(|| unknown_key(name))
     }
 
-    fn known(name: &str) -> Option<Self> {
+    /// Works like [`named`](Self::named), but returns `None` for an unknown name, which avoids the
+    /// slow search for the most similar name.
+    pub(crate) fn known(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|key| key.name() == name)
     }
 
@@ -230,7 +270,7 @@ impl Case {
 use Rule::{Above, Any, AtLeast, Between, OneOf, Whole, Within};
 
 inputs! {
-    "screw" {
+    Screw {
         ball_diameter_mm ["mm" "D_w"] Above(0.0), None,
             "ball diameter";
         pitch_circle_diameter_mm ["mm" "D_pw"] Above(0.0), None,
@@ -250,7 +290,7 @@ inputs! {
         screw_conformity ["" "f_rs"] Above(0.5), None,
             "conformity of the screw groove; groove radius divided by ball diameter";
     }
-    "operating point" {
+    OperatingPoint {
         friction_coefficient ["" "mu"] AtLeast(0.0), None,
             "Coulomb friction coefficient";
         far_flank_friction_coefficient [""] Above(0.0), None,
@@ -258,7 +298,7 @@ inputs! {
         rolling_friction_mm ["mm"] AtLeast(0.0), Some(0.0),
             "lever arm of rolling resistance";
     }
-    "screw" {
+    Screw {
         density_kg_m3 ["kg/m3"] Above(0.0), Some(7800.0),
             "density of the ball";
         youngs_modulus_GPa ["GPa" "E"] Above(0.0), Some(207.0),
@@ -270,7 +310,7 @@ inputs! {
         ball_poisson_ratio [""] Between(-1.0, 0.5), None,
             "Poisson's ratio of the balls; defaults to poisson_ratio";
     }
-    "operating point" {
+    OperatingPoint {
         screw_speed_rpm ["rpm" "n"] Any, None,
             "speed of the screw about the axis; a positive difference between screw speed and nut speed means that the drive works against the load, and a negative difference means that the load drives the screw";
         feed_m_min ["m/min"] Any, None,
@@ -282,7 +322,7 @@ inputs! {
         loaded_balls ["" "Z"] AtLeast(1.0), None,
             "number of balls that share the load equally; defaults to loaded_balls_per_turn times loaded_turns, or to the number of balls in the circuits";
     }
-    "nut" {
+    Nut {
         loaded_balls_per_turn ["" "z_1"] Above(0.0), None,
             "loaded balls per turn; required for load ratings. A fractional number is valid";
         loaded_turns ["" "i"] Above(0.0), None,
@@ -298,11 +338,11 @@ inputs! {
         seed [""] Whole(0.0), Some(0.0),
             "seed of the random deviations of the balls";
     }
-    "screw" {
+    Screw {
         starts [""] Whole(1.0), Some(1.0),
             "number of starts of the screw thread";
     }
-    "nut" {
+    Nut {
         circuits_count [""] Whole(1.0), Some(1.0),
             "number of ball circuits into which the loaded turns of a nut are divided";
         gap_deg ["deg"] AtLeast(0.0), None,
@@ -376,7 +416,7 @@ inputs! {
         nut_length_mm ["mm"] Above(0.0), None,
             "length of the nut set; defaults to (loaded_turns + 3) lead_mm / starts for one nut, to two nuts and nut_gap_mm for a pair, and to (2 loaded_turns + 4) lead_mm / starts for a nut with a shifted lead";
     }
-    "screw" {
+    Screw {
         groove_bottom_distance_mm ["mm"] Above(0.0), None,
             "radial distance between the groove bottoms of nut and screw; equals half the difference of their core diameters. It replaces contact_angle_deg in load ratings";
         axial_play_um ["um"] AtLeast(0.0), None,
@@ -386,17 +426,17 @@ inputs! {
         screw_outer_diameter_mm ["mm" "d_1"] Above(0.0), None,
             "outer diameter of the screw; used for the ends of its flanks. Defaults to the pitch circle diameter minus 1.5 mm, or minus half a ball diameter for balls below 3 mm";
     }
-    "axis" {
+    Axis {
         speed_number_limit_mm_min ["mm/min"] Above(0.0), None,
             "largest speed number that the ball return permits; pitch circle diameter times speed. Defaults to the limit of screw_make";
     }
-    "nut" {
+    Nut {
         raceway_yield_strength_MPa ["MPa"] Above(0.0), None,
             "yield strength of the raceways; used to calculate the safety margin against yielding of the contacts";
         ball_yield_strength_MPa ["MPa"] Above(0.0), None,
             "yield strength of the balls; used to calculate the safety margin against yielding of the contacts";
     }
-    "lubricant" {
+    Lubricant {
         lubricant_density_kg_m3 ["kg/m3"] Above(0.0), None,
             "density of the lubricant, at 15 C if the density varies with temperature; defaults to the density of base_oil. `bsm solve --show jam` calculates the drag force only if the density is given";
         drag_coefficient [""] AtLeast(0.0), None,
@@ -442,7 +482,7 @@ inputs! {
         return_loss_coefficient [""] AtLeast(0.0), Some(0.0),
             "ratio of the kinetic energy that a ball loses in a return to the kinetic energy of the ball; usually 1 to 4 for entry and exit together";
     }
-    "nut" {
+    Nut {
         apex_half_angle_deg ["deg"] Between(0.0, 90.0), None,
             "half angle of the apex of the return curve; used to calculate jamming";
         return_angle_deg ["deg"] Between(0.0, 90.0), None,
@@ -458,7 +498,7 @@ inputs! {
         step_height_mm ["mm"] AtLeast(0.0), None,
             "height of the step over which a ball enters the ball return; used to calculate jamming";
     }
-    "axis" {
+    Axis {
         nominal_diameter_mm ["mm" "d_0"] Above(0.0), None,
             "nominal diameter of the screw; if the groove is not given, it is estimated from this diameter, lead_mm, rated_dynamic_load_N and, if known, rated_static_load_N";
         screw_mass_kg_m ["kg/m"] Above(0.0), None,
@@ -608,7 +648,7 @@ inputs! {
         extra_drag_factor [""] AtLeast(0.0), None,
             "drag factor of the preload; drag torque outside the contacts, divided by warm preload times lead / (2 pi). Defaults to the manufacturers' rule";
     }
-    "warm state" {
+    WarmState {
         preload_temperature_C ["C"] Within(-40.0, 150.0), Some(20.0),
             "temperature at which preload and fits are set";
         structure_temperature_C ["C"] Within(-40.0, 150.0), None,

@@ -327,7 +327,7 @@ impl Answer {
 /// Returns the name and the schema of an output.
 pub(crate) fn property(output: &Output) -> (String, Value) {
     let mut property = json!({
-        "type": [output.json_type, "null"],
+        "type": [output.output_type.name(), "null"],
         "description": with_unit(output.about, output.unit),
     });
     if !output.words.is_empty() {

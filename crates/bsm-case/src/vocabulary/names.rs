@@ -159,36 +159,56 @@ impl<'de> Visitor<'de> for UniqueKeys<'_> {
     }
 }
 
-/// Keys of a requirement that have text values, with their permitted values and their meaning. The
-/// first value is the default.
-pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
-    (
-        "motion",
-        &["rotary-to-linear", "linear-to-rotary"],
-        "driving motion: rotation of the screw, or linear motion of the nut",
-    ),
-    (
-        "objective",
-        &["mass", "efficiency", "capacity", "inertia", "power"],
-        "quantity that the search optimizes",
-    ),
-    (
-        "model",
-        &["auto", "traction", "elastic", "raceway-control", "rigid", "quasi-static", "closed-form"],
-        "model that calculates the efficiency",
-    ),
-    (
-        "allow_warnings",
-        &["false", "true"],
-        "true: a selected screw may exceed the recommended limit of 40 K for the temperature rise",
-    ),
-];
+/// Key of a requirement whose value is one of several words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RequirementChoice {
+    /// Driving motion.
+    Motion,
+    /// Quantity that the search optimizes.
+    Objective,
+    /// Model that calculates the efficiency.
+    Model,
+    /// Permission to exceed the recommended temperature rise.
+    AllowWarnings,
+}
+
+impl RequirementChoice {
+    /// All keys, in the order of the documentation.
+    pub const ALL: [Self; 4] = [Self::Motion, Self::Objective, Self::Model, Self::AllowWarnings];
+
+    /// Returns the key with the given name.
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|choice| choice.name() == name)
+    }
+
+    /// Returns the name of the key.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Motion => "motion",
+            Self::Objective => "objective",
+            Self::Model => "model",
+            Self::AllowWarnings => "allow_warnings",
+        }
+    }
+
+    /// Returns the meaning of the key.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Motion => "driving motion: rotation of the screw, or linear motion of the nut",
+            Self::Objective => "quantity that the search optimizes",
+            Self::Model => "model that calculates the efficiency",
+            Self::AllowWarnings => {
+                "true: a selected screw may exceed the recommended limit of 40 K for the temperature rise"
+            }
+        }
+    }
+}
 
 /// Beginnings of keys with which users often mean `rated_rigidity_N_um`.
 const RIGIDITY_SYNONYMS: [&str; 4] = ["stiffness_", "nut_stiffness_", "rigidity_", "nut_rigidity_"];
 
 pub(crate) fn unknown_key(key: &str) -> CaseError {
-    if REQUIREMENT_CHOICES.iter().any(|(name, ..)| *name == key) {
+    if RequirementChoice::from_name(key).is_some() {
         let what = format!(
             "`{key}` is a key of a requirement, which `bsm select` reads, and not an input of a case"
         );

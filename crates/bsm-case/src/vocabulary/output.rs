@@ -11,9 +11,34 @@ use bsm_kin::{Real, Site};
 use serde_json::{Value, json};
 
 use super::number::count;
-use super::quantity::{AnalysisKind, Quantity, Scope};
+use super::quantity::{AnalysisKind, Quantity, Scope, group};
 use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg, unit_suffix};
 use crate::{INPUTS, InputKey};
+
+/// Type of the values of an output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OutputType {
+    /// A real number.
+    Number,
+    /// A nonnegative integer.
+    Integer,
+    /// A statement that is true or false.
+    Boolean,
+    /// One of several words.
+    Text,
+}
+
+impl OutputType {
+    /// Returns the name of the type in JSON schemas.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Number => "number",
+            Self::Integer => "integer",
+            Self::Boolean => "boolean",
+            Self::Text => "string",
+        }
+    }
+}
 
 /// Definition of an output.
 #[derive(Debug, Clone, Copy)]
@@ -22,8 +47,8 @@ pub struct Output {
     pub name: &'static str,
     /// Unit as text; empty if dimensionless.
     pub unit: &'static str,
-    /// Type of the value in JSON.
-    pub json_type: &'static str,
+    /// Type of the value.
+    pub output_type: OutputType,
     /// Possible values, if the output is a string; empty for numbers.
     pub words: &'static [&'static str],
     /// Meaning of the output.
@@ -50,11 +75,11 @@ impl Output {
     pub(crate) const fn of_table(
         name: &'static str,
         unit: &'static str,
-        json_type: &'static str,
+        output_type: OutputType,
         about: &'static str,
         kind: Option<AnalysisKind>,
     ) -> Self {
-        Self { name, unit, json_type, words: &[], about, origin: Origin::Table { kind } }
+        Self { name, unit, output_type, words: &[], about, origin: Origin::Table { kind } }
     }
 
     /// Returns the value of the output in a solution, or `None` if the solution does not contain
@@ -103,7 +128,7 @@ impl Output {
             let column = |input: &Quantity| Output {
                 name: input.name,
                 unit: input.unit,
-                json_type: "number",
+                output_type: OutputType::Number,
                 words: &[],
                 about: input.about,
                 origin: Origin::Input,
@@ -147,7 +172,7 @@ impl Output {
     /// Returns the output for the interval end with the given name.
     pub(crate) fn interval_end(name: &str) -> Option<&'static Self> {
         static ENDS: LazyLock<Vec<Output>> = LazyLock::new(|| {
-            let numbers = Output::all().filter(|output| output.json_type == "number");
+            let numbers = Output::all().filter(|output| output.output_type == OutputType::Number);
             numbers.flat_map(Output::ends).collect()
         });
         ENDS.iter().find(|end| end.name == name)
@@ -172,11 +197,11 @@ impl Output {
     /// Converts a value of the output to JSON.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts")]
     pub(crate) fn json(&self, value: f64) -> Value {
-        match self.json_type {
-            "integer" => json!(value as u64),
-            "boolean" => json!(value > 0.5),
-            "string" => json!(self.word(value)),
-            _ => json!(value),
+        match self.output_type {
+            OutputType::Number => json!(value),
+            OutputType::Integer => json!(value as u64),
+            OutputType::Boolean => json!(value > 0.5),
+            OutputType::Text => json!(self.word(value)),
         }
     }
 }
@@ -185,7 +210,7 @@ impl Output {
 /// have one name and one member for each contact. The reader returns the value of the output from a
 /// solution, for a given contact. Flags are 0 or 1, and strings are represented by their index.
 macro_rules! outputs {
-    ($($title:literal { $(
+    ($($title:tt { $(
         $label:literal [$unit:literal $($symbol:literal)?] $kind:ident: $($name:ident $site:ident)+ =
             |$s:tt, $at:tt| $read:expr, $about:literal;
     )* })*) => {
@@ -193,7 +218,7 @@ macro_rules! outputs {
         pub const OUTPUTS: &[Output] = &[$($($(Output {
             name: stringify!($name),
             unit: $unit,
-            json_type: outputs!(@json $kind),
+            output_type: outputs!(@type $kind),
             words: outputs!(@words $kind),
             about: concat!($about, outputs!(@said $site)),
             origin: Origin::Solution {
@@ -205,14 +230,15 @@ macro_rules! outputs {
             },
         },)+)*)*];
 
-        /// Outputs as they are displayed, with one quantity for all contacts. Quantities with the
-        /// title "hidden" are displayed only as part of a sentence.
+        /// Outputs as they are displayed, with one quantity for all contacts. Hidden quantities are
+        /// displayed only as part of a sentence.
         pub(crate) const SOLUTION: &[Quantity] = &[$($(Quantity {
             name: outputs!(@first $($name)+),
             unit: $unit,
             symbol: concat!($($symbol)?),
             about: $label,
-            title: $title,
+            title: group!(@title $title),
+            is_hidden: group!(@is_hidden $title),
             scope: outputs!(@scope $($site)+),
             columns: &[$(OUTPUTS[SolutionOutput::$name as usize],)+],
             ..Quantity::WHOLE
@@ -258,11 +284,11 @@ macro_rules! outputs {
     (@site screw) => { Site::Screw };
     (@site unloaded) => { Site::NutUnloaded };
     (@site $at:ident) => { Site::Nut };
-    (@json Number) => { "number" };
-    (@json Count) => { "integer" };
-    (@json Flag) => { "boolean" };
-    (@json Raceway) => { "string" };
-    (@json Evidence) => { "string" };
+    (@type Number) => { OutputType::Number };
+    (@type Count) => { OutputType::Integer };
+    (@type Flag) => { OutputType::Boolean };
+    (@type Raceway) => { OutputType::Text };
+    (@type Evidence) => { OutputType::Text };
     (@words Raceway) => { &["nut", "screw"] };
     (@words Evidence) => { &Evidence::NAMES };
     (@words $kind:ident) => { &[] };
@@ -404,7 +430,7 @@ outputs! {
         "entrainment" ["m/s" "u"] Number: nut_entrainment_m_s nut screw_entrainment_m_s screw = |s, at| Some(film(s, at)?.entrainment),
             "mean speed of both surfaces along the track";
     }
-    "hidden" {
+    hidden {
         "power_balance" [""] Number: power_balance whole = |s, _| s.transmission.power_balance,
             "relative error of the power balance; for an exact solution, only rounding errors remain";
         "iterations" [""] Count: iterations whole = |s, _| Some(constant(s, count(s.info?.steps))),
@@ -447,7 +473,7 @@ mod tests {
     /// inserted before the unit.
     #[test]
     fn names_of_interval_ends_contain_low_or_high_before_the_unit() {
-        for output in Output::all().filter(|output| output.json_type == "number") {
+        for output in Output::all().filter(|output| output.output_type == OutputType::Number) {
             let suffix = unit_suffix(output.name, output.unit);
             let (name, unit) = (output.name, output.unit);
             assert_eq!(suffix.is_empty(), unit.is_empty(), "{name} [{unit}]");

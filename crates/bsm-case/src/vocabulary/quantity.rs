@@ -46,6 +46,9 @@ pub struct Quantity {
     pub about: &'static str,
     /// Title of the table that contains the result, or group to which the input belongs.
     pub title: &'static str,
+    /// True if the quantity is not displayed by itself: it is part of a sentence, or is written only
+    /// to files.
+    pub(crate) is_hidden: bool,
     /// Scope of the quantity, which determines how many values it has.
     pub scope: Scope,
     /// Columns that contain the values. The names of columns begin with the contact or the
@@ -68,6 +71,7 @@ impl Quantity {
         symbol: "",
         about: "",
         title: "",
+        is_hidden: false,
         scope: Scope::Scalar,
         columns: &[],
         needs: &[],
@@ -181,8 +185,39 @@ read! {
 }
 
 /// Declares a table of keys that are not inputs of a case:
-/// `name ["unit"] rule, default, "meaning";`.
+/// `name ["unit"] rule, default, "meaning";`. The form `TABLE of Key;` also declares an enum with
+/// one variant for each key.
 macro_rules! keys {
+    ($(#[$doc:meta])* $visible:vis $table:ident of $key:ident;
+     $($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {
+        $crate::vocabulary::quantity::keys! {
+            $(#[$doc])*
+            $visible $table;
+            $($name [$unit $($symbol)?] $rule, $default, $about;)*
+        }
+
+        #[doc = concat!("Key whose value is its index in [`", stringify!($table), "`].")]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[expect(non_camel_case_types, reason = "variant names match the key names in the vocabulary")]
+        enum $key {
+            $(#[doc = $about] $name,)*
+        }
+
+        impl $key {
+            /// All keys, in the order of the table.
+            const ALL: [Self; $table.len()] = [$(Self::$name),*];
+
+            /// Returns the key with the given name.
+            fn from_name(name: &str) -> Option<Self> {
+                Self::ALL.into_iter().find(|key| key.quantity().name == name)
+            }
+
+            /// Returns the definition of the key.
+            fn quantity(self) -> &'static $crate::Quantity {
+                &$table[self as usize]
+            }
+        }
+    };
     ($(#[$doc:meta])* $visible:vis $table:ident;
      $($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {
         $(#[$doc])*
@@ -200,14 +235,33 @@ macro_rules! keys {
 
 pub(crate) use keys;
 
+/// Converts the first token of a group of quantities, which is its title or the word `hidden`.
+macro_rules! group {
+    (@title hidden) => {
+        ""
+    };
+    (@title $title:literal) => {
+        $title
+    };
+    (@is_hidden hidden) => {
+        true
+    };
+    (@is_hidden $title:literal) => {
+        false
+    };
+}
+
+pub(crate) use group;
+
 /// Declares a table of quantities and the function that calculates their values.
 ///
 /// The syntax is `name ["unit"] Scope(reader), "meaning";`. A `"symbol"` may follow the unit. The
 /// reader may be followed by a list `needs [a, b | c]`, or by a constant that contains such a list.
 /// The list names additional inputs that the quantity needs (here `a`, and either `b` or `c`). The
-/// form `name = TABLE Scalar(reader);` takes unit, symbol and meaning from another table.
+/// form `name = TABLE Scalar(reader);` takes unit, symbol and meaning from another table. The
+/// quantities form groups. Each group begins with its title, or with the word `hidden`.
 macro_rules! quantities {
-    ($(#[$doc:meta])* $visible:vis $table:ident, $numbers:ident(&$state:ty) $(of $analysis:ident)?; $($title:literal {
+    ($(#[$doc:meta])* $visible:vis $table:ident, $numbers:ident(&$state:ty) $(of $analysis:ident)?; $($title:tt {
         $($name:ident $([$unit:literal $($symbol:literal)?])? $(= $table_of:ident)? $of:ident($read:expr)
             $(needs $needs:tt)? $(, $about:literal)?;)*
     })*) => {
@@ -216,7 +270,8 @@ macro_rules! quantities {
             const KIND: Option<$crate::AnalysisKind> =
                 $crate::vocabulary::quantity::quantities!(@kind $($analysis)?);
             &[$($($crate::Quantity {
-                title: $title,
+                title: $crate::vocabulary::quantity::group!(@title $title),
+                is_hidden: $crate::vocabulary::quantity::group!(@is_hidden $title),
                 scope: $crate::Scope::$of,
                 needs: $crate::vocabulary::quantity::quantities!(@needs $($needs)?),
                 ..$crate::vocabulary::quantity::quantities!(
@@ -257,7 +312,7 @@ macro_rules! quantities {
     (@said Scalar $name:ident = $table_of:ident) => {{
         const SAID: $crate::Quantity = $crate::Quantity::with_short_meaning($table_of, stringify!($name));
         $crate::Quantity {
-            columns: &[$crate::Output::of_table(SAID.name, SAID.unit, "number", SAID.about, KIND)],
+            columns: &[$crate::Output::of_table(SAID.name, SAID.unit, $crate::OutputType::Number, SAID.about, KIND)],
             ..SAID
         }
     }};
@@ -267,28 +322,28 @@ macro_rules! quantities {
     (@kind) => { None };
     (@kind $analysis:ident) => { Some($crate::AnalysisKind::$analysis) };
     (@Scalar $($of:tt)*) => {
-        $crate::vocabulary::quantity::quantities!(@columns "number" ["" ""], ($($of)*))
+        $crate::vocabulary::quantity::quantities!(@columns Number ["" ""], ($($of)*))
     };
     (@Statement $($of:tt)*) => {
-        $crate::vocabulary::quantity::quantities!(@columns "boolean" ["" ""], ($($of)*))
+        $crate::vocabulary::quantity::quantities!(@columns Boolean ["" ""], ($($of)*))
     };
     (@Contacts $($of:tt)*) => {
         $crate::vocabulary::quantity::quantities!(
-            @columns "number" ["nut_" ", nut"] ["screw_" ", screw"] ["unloaded_flank_" ", far flank"], ($($of)*)
+            @columns Number ["nut_" ", nut"] ["screw_" ", screw"] ["unloaded_flank_" ", far flank"], ($($of)*)
         )
     };
     (@Directions $($of:tt)*) => {
         $crate::vocabulary::quantity::quantities!(
-            @columns "number" ["rotary_to_linear_" ", rotary to linear"] ["linear_to_rotary_" ", linear to rotary"], ($($of)*)
+            @columns Number ["rotary_to_linear_" ", rotary to linear"] ["linear_to_rotary_" ", linear to rotary"], ($($of)*)
         )
     };
-    (@columns $json:literal $([$before:literal $where:literal])+, $of:tt) => {
-        &[$($crate::vocabulary::quantity::quantities!(@column $json, $before, $where, $of)),+]
+    (@columns $type:ident $([$before:literal $where:literal])+, $of:tt) => {
+        &[$($crate::vocabulary::quantity::quantities!(@column $type, $before, $where, $of)),+]
     };
-    (@column $json:literal, $before:literal, $where:literal,
+    (@column $type:ident, $before:literal, $where:literal,
         ($name:ident, $unit:literal, $about:literal)) => {
         $crate::Output::of_table(
-            concat!($before, stringify!($name)), $unit, $json, concat!($about, $where), KIND
+            concat!($before, stringify!($name)), $unit, $crate::OutputType::$type, concat!($about, $where), KIND
         )
     };
 }

@@ -71,7 +71,7 @@ impl AxisState<'_> {
         // The order data do not contain the ball diameter of an estimated groove.
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
         if let Some((nut, _)) = given {
-            let circuits = self.case.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
+            let circuits = self.case.number(InputKey::circuits_count);
             let of_each = format_trimmed(nut.turns / circuits);
             let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };
             let nuts = match nut_set(self.case) {

@@ -7,7 +7,7 @@ use bsm_design::{Axis, EndFixity, RatingBasis, RequiredLife, Shaft, UNLOADING_RA
 use super::drive::MotorPeak;
 use super::{Preload, QUANTITIES, SCREW};
 use crate::answers::warm::QUANTITIES as WARM;
-use crate::case::axis::{motor_speed, mount, preload_method, speed_number_limit, useful_travel};
+use crate::case::axis::{AxisModel, motor_speed, mount, preload_method, speed_number_limit};
 use crate::vocabulary::entries::{Choice, Named};
 use crate::vocabulary::number::{format_number, format_trimmed};
 use crate::vocabulary::units::{MM, UM};
@@ -31,6 +31,8 @@ struct RuleInputs<'a> {
     edge_load: Option<f64>,
     preload: Option<&'a Preload>,
     required_life: Option<RequiredLife>,
+    /// Travel over which the accuracy grade limits the travel error \[m\].
+    useful_travel: Option<f64>,
     /// Largest motor torque, and largest utilization of the torque-speed curve of the motor.
     motor_peaks: [Option<MotorPeak>; 2],
 }
@@ -199,7 +201,7 @@ impl RuleInputs<'_> {
 
     /// Returns the coarsest accuracy grade that meets the required travel error.
     fn grade_to_take(&self) -> Option<&'static str> {
-        let (word, travel) = (self.case.entries.accuracy_grade?, useful_travel(self.case)?);
+        let (word, travel) = (self.case.entries.accuracy_grade?, self.useful_travel?);
         let required = self.case.required_travel_error_um? * UM;
         word.grade.coarsest_within(required, travel).map(|grade| grade.name)
     }
@@ -489,14 +491,22 @@ pub(crate) fn rule_titles() -> impl Iterator<Item = &'static str> + Clone {
 /// * `motor_peaks`: peaks of the motor torque and of the utilization of the torque-speed curve.
 pub(super) fn rules(
     case: &Case,
-    axis: &Axis,
+    machine: &AxisModel,
     (numbers, fold): (&Numbers, Option<f64>),
     of_nut: &Answer,
-    (preload, required_life): (Option<&Preload>, Option<RequiredLife>),
+    preload: Option<&Preload>,
     motor_peaks: [Option<MotorPeak>; 2],
 ) -> Vec<Criterion> {
-    let edge_load = of_nut.number(output!(edge_load_N));
-    let of = &RuleInputs { case, axis, numbers, edge_load, preload, required_life, motor_peaks };
+    let of = &RuleInputs {
+        case,
+        axis: &machine.axis,
+        numbers,
+        edge_load: of_nut.number(output!(edge_load_N)),
+        preload,
+        required_life: machine.required_life,
+        useful_travel: machine.useful_travel(case),
+        motor_peaks,
+    };
     let rest = rating_and_drive_rules(of).chain(preload_rules(of));
     screw_rules(of)
         .map(|rule| of.with_unguided_load(rule))

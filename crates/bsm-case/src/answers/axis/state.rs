@@ -16,7 +16,7 @@ use super::drive::PowerLoss;
 use super::heat::{Heating, Powers};
 use super::lubrication::Lubrication;
 use super::torques::{PhaseTorques, Preload, Torques};
-use crate::case::axis::{AxisModel, FixedEnds, mount, useful_travel};
+use crate::case::axis::{AxisModel, FixedEnds, mount};
 use crate::case::warm::{Warm, WarmState};
 use crate::vocabulary::entries::{KappaBy, Named};
 use crate::vocabulary::units::UM;
@@ -255,7 +255,7 @@ impl<'a> AxisState<'a> {
 
     /// Returns the useful travel \[m\], for which the accuracy grade limits the travel error.
     pub(super) fn travel(&self) -> Option<f64> {
-        useful_travel(self.case)
+        self.machine.useful_travel(self.case)
     }
 
     /// Returns the load on the support bearings in the cold and in the warm state \[N\] (BB7). Each
