@@ -84,8 +84,8 @@ pub mod model {
     pub use crate::models::{
         Auto, Basis, Choice, ClosedForm, Elastic, ElasticWorkspace, ErrorBound, LossInterval,
         MAX_ROLLING_ONSET, PermanentSet, QuasiStatic, RacewayControl, RacewayFriction,
-        RacewayWorkspace, Rigid, RigidRoot, RigidWorkspace, Sliding, StaticBall, Traction,
-        TractionWorkspace,
+        RacewayWorkspace, Rigid, RigidRoot, RigidSystem, RigidWorkspace, Sliding, StaticBall,
+        Traction, TractionWorkspace, Unknowns as RigidUnknowns,
     };
 }
 
@@ -118,18 +118,21 @@ pub mod train {
     pub use crate::models::{TrainBall, TrainMotion};
 }
 
-/// Equations of the models for numerical kernels that solve many points at once, and for benchmarks
-/// and validation. They are not part of the public API, because they depend on the implementation.
-#[doc(hidden)]
-pub mod internals {
-    pub use crate::contact::{BallOrbit, efficiency, ideal_torque, torque_of};
+/// Balls in scaled units, for one operating point or for several points side by side in a SIMD
+/// vector.
+///
+/// These types are generic over [`Real`](bsm_kin::Real). The models use them for a single point, and
+/// numerical kernels use them to solve many points at once. Lengths are divided by the ball radius,
+/// forces by the axial load per ball, and speeds by the relative speed, unless the documentation
+/// states a unit.
+pub mod lanes {
+    pub use crate::contact::{BallOrbit, ideal_torque};
     pub use crate::ellipse::{Patch, lubricated_powers, power_of_many};
     pub use crate::models::{
         BallContacts, EhlPoint, EhlUnits, ElasticMotion, FilmLoss, FirstOrder, GrooveContact,
-        LoadedContact, LubricatedWorkspace, ModelErrors, Plane, RacewayBall, ResultUnits,
-        RigidBall, RigidMotion, RollingMotion, RollingRoot, ScaledBall, ScaledFilm, ScaledSize,
-        SlidingBall, SlidingMotion, SlidingRoot, SlidingState, Sweeps, friction_angle,
-        friction_power, is_in_range, onset_number, rolling, rolling_torque, transmitted, turns,
+        LoadedContact, ModelErrors, Plane, RacewayBall, ResultUnits, RigidBall, RigidMotion,
+        RollingMotion, RollingRoot, ScaledBall, ScaledFilm, ScaledSize, SlidingBall, SlidingMotion,
+        SlidingRoot, SlidingState, Sweeps, friction_angle, friction_power, onset_number,
+        rolling_torque, transmitted,
     };
-    pub use crate::models::{RigidSystem, Unknowns as RigidUnknowns};
 }

@@ -18,7 +18,7 @@ use bsm_kin::{Motion, Real, Scalar};
 use self::balance::{Balance, StaticRoot};
 pub use self::ball::RacewayBall;
 pub use self::direct::{RollingMotion, RollingRoot};
-pub use self::rolling::rolling;
+pub(crate) use self::rolling::rolling;
 pub(crate) use self::statics::STATIC_UNKNOWNS;
 use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{

@@ -575,7 +575,7 @@ impl<D: Real> ScaledFilm<D> {
 
 /// Reusable buffers for solving lubricated models.
 #[derive(Default)]
-pub struct LubricatedWorkspace {
+pub(crate) struct LubricatedWorkspace {
     pub(crate) rules: Rules,
 }
 
