@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bsm_dyn::{Direction, DrivenPart, Material, angles::Optimum, hertz::Hertz};
+use bsm_dyn::{Direction, DrivenPart, Materials, angles::Optimum, hertz::Hertz};
 
 use crate::{
     Axis, Bounds, Candidate, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody,
@@ -190,7 +190,7 @@ pub struct Requirement {
     /// Coulomb friction coefficient.
     pub friction: f64,
     /// Elastic constants of raceways and balls.
-    pub material: (Material, Material),
+    pub material: Materials,
     /// Upper limit of the Hertzian contact pressure \[Pa\].
     pub pressure: f64,
     /// Upper limit of the speed number \[m·rad/s\]; defaults to the limit for the manufacturing
@@ -485,9 +485,9 @@ impl Design {
         add(5, DesignQuantity::BallOverLead, nut.ball_diameter / nut.pitch(), None, over_lead);
         // 0.95 ≤ r_b/r_2 ≤ 0.97,  r_2 = 2 f r_b                           (L5)
         let (low, high) = ranges.ball_over_groove;
-        let in_groove = 0.5 / nut.conformity.0;
+        let in_groove = 0.5 / nut.conformity.nut;
         add(6, DesignQuantity::BallOverGroove, in_groove, low, high);
-        add(6, DesignQuantity::Conformity, nut.conformity.0, None, None);
+        add(6, DesignQuantity::Conformity, nut.conformity.nut, None, None);
         let most = requirement.largest_turns.filter(|_| requirement.fixed.turns.is_none());
         add(7, DesignQuantity::Turns, nut.turns, None, most);
         add(7, DesignQuantity::LargestLoad, largest, None, axis.yield_load());

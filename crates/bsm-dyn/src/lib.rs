@@ -12,8 +12,8 @@
 //! use std::f64::consts::PI;
 //!
 //! use bsm_dyn::{
-//!     Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Problem,
-//!     model::RacewayControl,
+//!     Ball, Conformities, Coulomb, ElasticPoint, Load, Material, Materials, ModelWorkspace,
+//!     OperatingPoint, Problem, model::RacewayControl,
 //! };
 //! use bsm_kin::{Drive, Helix, Site};
 //!
@@ -27,7 +27,8 @@
 //!     drive: Drive { screw_speed: 50.0 * PI, nut_speed: 0.0 },
 //!     load: Load { axial: 8000.0, balls: 70.0 },
 //! };
-//! let screw = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
+//! let (conformity, material) = (Conformities::alike(0.53), Materials::alike(steel));
+//! let screw = ElasticPoint { point, conformity, material };
 //! let problem = Problem::RacewayControl(RacewayControl { screw, control: None });
 //! let solution = problem.solve(&mut ModelWorkspace::default());
 //!
@@ -45,7 +46,7 @@ mod extreme;
 mod models;
 mod outcome;
 
-pub use self::contact::{Ball, Coulomb, Load, Material};
+pub use self::contact::{Ball, Conformities, Coulomb, Load, Material, Materials};
 pub use self::cost::{Cost, cost_of};
 pub use self::models::{
     ElasticPoint, Model, ModelWorkspace, OperatingPoint, Problem, Solution, SteadyState,

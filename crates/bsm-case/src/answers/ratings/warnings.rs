@@ -56,7 +56,7 @@ pub(super) fn limit_warnings(
         warnings.push(Warning::advice(text));
     }
     for (name, conformity) in
-        [("nut_conformity", nut.conformity.0), ("screw_conformity", nut.conformity.1)]
+        [("nut_conformity", nut.conformity.nut), ("screw_conformity", nut.conformity.screw)]
     {
         let (low, high) = limits.conformity;
         if !(low..=high).contains(&conformity) {
