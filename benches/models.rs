@@ -6,8 +6,8 @@ use std::hint::black_box;
 
 use bsm_benches::{lin_problem, seeded};
 use bsm_case::Settings;
-use bsm_dyn::internals::RigidSystem;
-use bsm_dyn::{Model, ModelWorkspace, Problem, model::Rigid};
+use bsm_dyn::model::{Rigid, RigidSystem};
+use bsm_dyn::{Model, ModelWorkspace, Problem};
 use bsm_newton::{Equations, Options, Scales, Workspace, solve};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 

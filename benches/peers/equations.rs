@@ -278,7 +278,7 @@ impl System {
 #[cfg(test)]
 mod tests {
     use bsm_benches::seeded;
-    use bsm_dyn::internals::{RigidSystem, RigidUnknowns};
+    use bsm_dyn::model::{RigidSystem, RigidUnknowns};
     use bsm_dyn::{Model, Problem};
     use bsm_kin::{Jet, Real};
 

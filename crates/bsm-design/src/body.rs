@@ -159,7 +159,7 @@ impl Nut {
             outer: thread.screw.land,
             mass_per_length,
             inertia_per_length,
-            youngs_modulus: self.material.0.youngs_modulus,
+            youngs_modulus: self.material.raceways.youngs_modulus,
         }
     }
 }
@@ -171,7 +171,7 @@ const STEPS: u32 = 32;
 #[cfg(test)]
 mod tests {
     use approx::assert_relative_eq;
-    use bsm_dyn::Material;
+    use bsm_dyn::{Conformities, Material, Materials};
 
     use super::*;
 
@@ -213,8 +213,8 @@ mod tests {
                 pitch_diameter: pitch,
                 lead,
                 contact_angle: PI / 4.0,
-                conformity: (0.52, 0.52),
-                material: (steel, steel),
+                conformity: Conformities::alike(0.52),
+                material: Materials::alike(steel),
                 balls_per_turn: 10.0,
                 turns: 3.0,
                 starts: 1.0,

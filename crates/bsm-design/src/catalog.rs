@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use bsm_dyn::Material;
+use bsm_dyn::{Conformities, Materials};
 use rayon::prelude::*;
 
 use crate::nut::turn_length;
@@ -85,7 +85,7 @@ pub struct Limits {
     /// Range of the conformity.
     pub conformity: Range,
     /// Elastic constants of raceways and balls.
-    pub material: (Material, Material),
+    pub material: Materials,
     /// Preload of the nut pair for which the stiffness is calculated, divided by the dynamic load
     /// rating.
     pub preload: f64,
@@ -227,7 +227,7 @@ impl Limits {
             pitch_diameter,
             lead: size.lead,
             contact_angle: size.contact_angle,
-            conformity: (size.conformity, size.conformity),
+            conformity: Conformities::alike(size.conformity),
             material: self.material,
             balls_per_turn,
             turns: size.turns,
@@ -368,6 +368,8 @@ pub fn front(costs: &[[f64; 3]]) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
+    use bsm_dyn::Material;
+
     use super::*;
 
     const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
@@ -381,7 +383,7 @@ mod tests {
         axial_play: 0.0,
         turns: Range { low: 2.0, high: 6.0 },
         conformity: Range { low: 0.51, high: 0.57 },
-        material: (STEEL, STEEL),
+        material: Materials::alike(STEEL),
         preload: crate::PRELOAD,
         rolling_lever: crate::ROLLING_LEVER,
     };

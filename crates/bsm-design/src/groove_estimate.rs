@@ -12,7 +12,7 @@ mod prior;
 use std::f64::consts::{FRAC_PI_4, SQRT_2};
 use std::sync::LazyLock;
 
-use bsm_dyn::Material;
+use bsm_dyn::{Conformities, Material, Materials};
 use rayon::prelude::*;
 
 use self::prior::{RatingFit, unprinted};
@@ -71,7 +71,7 @@ pub struct CatalogLine {
     /// Total number of loaded turns of all circuits, positive.
     pub turns: Option<f64>,
     /// Conformities of nut and screw, above 1/2.
-    pub conformity: (Option<f64>, Option<f64>),
+    pub conformity: Conformities<Option<f64>>,
     /// Contact angle \[rad\], in (0, π/2).
     pub contact_angle: Option<f64>,
 }
@@ -111,7 +111,7 @@ pub struct EstimatedGroove {
     /// Pitch circle diameter \[m\].
     pub pitch_diameter: f64,
     /// Conformities of nut and screw.
-    pub conformity: (f64, f64),
+    pub conformity: Conformities,
     /// Contact angle \[rad\].
     pub contact_angle: f64,
     /// Number of loaded turns.
@@ -123,7 +123,7 @@ pub struct EstimatedGroove {
 impl EstimatedGroove {
     /// Returns a single-start nut that has this groove and the given elastic constants of raceways
     /// and balls.
-    pub fn nut(&self, lead: f64, material: (Material, Material)) -> Nut {
+    pub fn nut(&self, lead: f64, material: Materials) -> Nut {
         Nut {
             ball_diameter: self.ball_diameter,
             pitch_diameter: self.pitch_diameter,
@@ -349,8 +349,8 @@ impl CatalogLine {
             pitch_diameter: self.pitch_diameter_of(ball, prior::PITCH_RISE.mean),
             lead: self.lead,
             contact_angle: CONTACT_ANGLE,
-            conformity: (CONFORMITY, CONFORMITY),
-            material: (STEEL, STEEL),
+            conformity: Conformities::alike(CONFORMITY),
+            material: Materials::alike(STEEL),
             balls_per_turn,
             turns,
             starts: 1.0,
@@ -394,14 +394,14 @@ impl CatalogLine {
         loaded_balls: f64,
         unprinted: &prior::Unprinted,
     ) -> EstimatedGroove {
-        let (nut, screw) = self.conformity;
+        let Conformities { nut, screw } = self.conformity;
         EstimatedGroove {
             ball_diameter: hypothesis.ball_diameter,
             pitch_diameter: self.pitch_diameter_of(hypothesis.ball_diameter, unprinted.pitch_rise),
-            conformity: (
-                nut.unwrap_or(unprinted.conformity),
-                screw.unwrap_or(unprinted.conformity),
-            ),
+            conformity: Conformities {
+                nut: nut.unwrap_or(unprinted.conformity),
+                screw: screw.unwrap_or(unprinted.conformity),
+            },
             contact_angle: self.contact_angle.unwrap_or(unprinted.contact_angle),
             turns: hypothesis.turns,
             loaded_balls: loaded_balls.round().max(1.0),
@@ -587,7 +587,7 @@ mod tests {
             pitch_diameter: None,
             core: None,
             turns: None,
-            conformity: (None, None),
+            conformity: Conformities::alike(None),
             contact_angle: None,
         }
     }
@@ -620,7 +620,10 @@ mod tests {
         let best = estimate.best();
         assert_relative_eq!(best.ball_diameter, 3.175e-3, max_relative = 1e-12);
         assert_relative_eq!(best.pitch_diameter, 16.794e-3, max_relative = 1e-4);
-        assert_eq!((best.turns, best.loaded_balls, best.conformity), (4.0, 64.0, (0.52, 0.52)));
+        assert_eq!(
+            (best.turns, best.loaded_balls, best.conformity),
+            (4.0, 64.0, Conformities::alike(0.52))
+        );
     }
 
     /// For rows with additional or missing values, the evidence matches an independent
@@ -695,7 +698,7 @@ mod tests {
             ball_diameter: Some(3.2e-3),
             pitch_diameter: Some(16.8e-3),
             turns: Some(4.1),
-            conformity: (Some(0.53), None),
+            conformity: Conformities { nut: Some(0.53), screw: None },
             contact_angle: Some(0.8),
             ..sfu()
         };
@@ -705,13 +708,13 @@ mod tests {
         assert_eq!(grooves.len(), 128);
         for groove in grooves.into_iter().chain([estimate.best()]) {
             let kept = [groove.ball_diameter, groove.pitch_diameter, groove.turns];
-            let kept = [kept.as_slice(), &[groove.conformity.0, groove.contact_angle]].concat();
+            let kept = [kept.as_slice(), &[groove.conformity.nut, groove.contact_angle]].concat();
             for (kept, given) in kept.into_iter().zip([3.2e-3, 16.8e-3, 4.1, 0.53, 0.8]) {
                 // The ball diameter is converted to millimeters and back, which causes rounding
                 // errors.
                 assert_relative_eq!(kept, given, max_relative = 1e-15);
             }
-            let nut = groove.nut(given.lead, (STEEL, STEEL));
+            let nut = groove.nut(given.lead, Materials::alike(STEEL));
             assert_relative_eq!(
                 nut.balls_per_turn * nut.turns,
                 groove.loaded_balls,
@@ -725,7 +728,7 @@ mod tests {
     #[test]
     fn best_groove_has_the_static_rating_of_the_row() {
         let best = sfu().estimate().expect("usual ratings").best();
-        let rating = best.nut(5e-3, (STEEL, STEEL)).static_rating().rating;
+        let rating = best.nut(5e-3, Materials::alike(STEEL)).static_rating().rating;
         assert_relative_eq!(rating, 29_930.0, max_relative = 0.5 / best.loaded_balls);
     }
 

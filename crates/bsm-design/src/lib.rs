@@ -12,7 +12,7 @@
 //! use std::f64::consts::PI;
 //!
 //! use bsm_design::Nut;
-//! use bsm_dyn::Material;
+//! use bsm_dyn::{Conformities, Material, Materials};
 //!
 //! let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 //! let nut = Nut {
@@ -20,8 +20,8 @@
 //!     pitch_diameter: 63.35e-3,
 //!     lead: 20e-3,
 //!     contact_angle: PI / 4.0,
-//!     conformity: (0.55, 0.55),
-//!     material: (steel, steel),
+//!     conformity: Conformities::alike(0.55),
+//!     material: Materials::alike(steel),
 //!     starts: 1.0,
 //!     balls_per_turn: 16.0,
 //!     turns: 6.0,

@@ -184,7 +184,7 @@ mod tests {
     use std::f64::consts::FRAC_PI_4;
 
     use approx::assert_relative_eq;
-    use bsm_dyn::Material;
+    use bsm_dyn::{Conformities, Material, Materials};
 
     use super::*;
 
@@ -265,8 +265,8 @@ mod tests {
             pitch_diameter: 41.75e-3,
             lead: 10e-3,
             contact_angle: FRAC_PI_4,
-            conformity: (0.53, 0.52),
-            material: (steel, steel),
+            conformity: Conformities { nut: 0.53, screw: 0.52 },
+            material: Materials::alike(steel),
             starts: 1.0,
             balls_per_turn: 18.0,
             turns: 5.0,

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use bsm_dyn::{
-    Material,
+    Conformities, Materials,
     hertz::{Curvatures, Groove, Raceway},
     solution::rolling_tangent,
 };
@@ -23,9 +23,9 @@ pub struct Nut {
     /// Contact angle \[rad\], in (0, π/2).
     pub contact_angle: f64,
     /// Conformities of nut and screw (groove radius divided by ball diameter), above 1/2.
-    pub conformity: (f64, f64),
+    pub conformity: Conformities,
     /// Elastic constants of raceways and balls.
-    pub material: (Material, Material),
+    pub material: Materials,
     /// Number of loaded balls per turn, positive. The number may be a fraction.
     pub balls_per_turn: f64,
     /// Number of loaded turns, positive. The number may be a fraction.
@@ -125,7 +125,7 @@ impl Nut {
         // γ = D_w cosβ / D_pw                                             (D1)
         let gamma = self.ball_diameter * beta.cos() / self.pitch_diameter;
         let (low, high) = (1.0 - gamma, 1.0 + gamma);
-        let (nut, screw) = self.conformity;
+        let Conformities { nut, screw } = self.conformity;
         // f_c = 93.2 (1 − sinβ/3) γ^0.3 (1−γ)^1.39/(1+γ)^⅓ [1/(1 − 1/(2 f_s))]^0.41  (D2)
         let shape = 93.2 * (1.0 - beta.sin() / 3.0) * gamma.powf(0.3) * low.powf(1.39)
             / high.cbrt()
@@ -182,8 +182,8 @@ impl Nut {
 
     pub(crate) fn curvatures(&self, member: Raceway, lead_angle: f64) -> Curvatures {
         let conformity = match member {
-            Raceway::Nut => self.conformity.0,
-            Raceway::Screw => self.conformity.1,
+            Raceway::Nut => self.conformity.nut,
+            Raceway::Screw => self.conformity.screw,
         };
         let (radius, ball) = (0.5 * self.pitch_diameter, 0.5 * self.ball_diameter);
         Groove { member, conformity }.curvatures(radius, ball, lead_angle, self.contact_angle)

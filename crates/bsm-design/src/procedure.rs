@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use bsm_dyn::Conformities;
 use rayon::prelude::*;
 
 use crate::bounds::ROUNDING;
@@ -317,7 +318,7 @@ impl Search<'_> {
             pitch_diameter: variables.pitch_diameter,
             lead: self.pitch.lead(variables.pitch_diameter),
             contact_angle: variables.contact_angle,
-            conformity: (variables.conformity, variables.conformity),
+            conformity: Conformities::alike(variables.conformity),
             material: self.requirement.material,
             starts: 1.0,
             balls_per_turn,
@@ -482,7 +483,7 @@ impl Search<'_> {
         let mut all = vec![0.5; usize::from(diameter) + usize::from(ball)];
         all.extend_from_slice(free);
         let Variables { contact_angle, conformity, .. } = self.variables(&all);
-        Nut { contact_angle, conformity: (conformity, conformity), ..*nut }
+        Nut { contact_angle, conformity: Conformities::alike(conformity), ..*nut }
     }
 
     /// Optimizes contact angle and conformity, starting from the values of `nut`, and returns the
@@ -493,7 +494,7 @@ impl Search<'_> {
         let ranges = &self.requirement.ranges;
         let start = [
             (angle, share(ranges.contact_angle, nut.contact_angle)),
-            (conformity, share(ranges.searched_ball_over_groove(), 0.5 / nut.conformity.0)),
+            (conformity, share(ranges.searched_ball_over_groove(), 0.5 / nut.conformity.nut)),
         ];
         let start: Vec<_> = start.iter().filter(|(free, _)| *free).map(|(_, x)| *x).collect();
         let value = |x: &[f64]| self.value_of(&self.design(self.shaped(nut, x)));
@@ -562,12 +563,12 @@ impl Search<'_> {
 /// Rounds the dimensions of a nut to a nanometer and its angle to a microdegree.
 fn tidy(nut: Nut) -> Nut {
     let round = |x: f64, unit: f64| (x / unit).round() * unit;
-    let conformity = round(nut.conformity.0, 1e-9);
+    let conformity = round(nut.conformity.nut, 1e-9);
     Nut {
         ball_diameter: round(nut.ball_diameter, 1e-9),
         pitch_diameter: round(nut.pitch_diameter, 1e-9),
         contact_angle: round(nut.contact_angle, 1e-6 * PI / 180.0),
-        conformity: (conformity, conformity),
+        conformity: Conformities::alike(conformity),
         ..nut
     }
 }

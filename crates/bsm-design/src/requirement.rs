@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bsm_dyn::{Direction, DrivenPart, Material, angles::Optimum, hertz::Hertz};
+use bsm_dyn::{Direction, DrivenPart, Materials, angles::Optimum, hertz::Hertz};
 
 use crate::{
     Axis, Bounds, Candidate, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody,
@@ -206,7 +206,7 @@ pub struct Requirement {
     /// Coulomb friction coefficient.
     pub friction: f64,
     /// Elastic constants of raceways and balls.
-    pub material: (Material, Material),
+    pub material: Materials,
     /// Upper limit of the Hertzian contact pressure \[Pa\].
     pub pressure: f64,
     /// Upper limit of the speed number \[m·rad/s\]; defaults to the limit for the manufacturing
@@ -548,10 +548,10 @@ impl Evaluated {
             Check::new(
                 6,
                 DesignQuantity::BallOverGroove,
-                0.5 / nut.conformity.0,
+                0.5 / nut.conformity.nut,
                 ranges.ball_over_groove,
             ),
-            Check::unlimited(6, DesignQuantity::Conformity, nut.conformity.0),
+            Check::unlimited(6, DesignQuantity::Conformity, nut.conformity.nut),
             Check::new(7, DesignQuantity::Turns, nut.turns, Bounds::at_most(most)),
             Check::new(
                 7,

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use bsm_dyn::{
     Reason,
-    hertz::{Hertz, Raceway, contact_modulus},
+    hertz::{Hertz, Raceway},
 };
 
 use crate::{LIMIT_LOAD, Nut, NutBody};
@@ -94,7 +94,7 @@ impl Nut {
     /// Returns [`Reason::CurvaturesNotHertzian`] if the groove geometry does not permit an
     /// elliptical contact.
     pub fn hertz(&self) -> Result<[Hertz; 2], Reason> {
-        let modulus = contact_modulus(&self.material.0, &self.material.1);
+        let modulus = self.material.contact_modulus();
         let of = |member| Hertz::of(&self.curvatures(member, self.lead_angle()), modulus);
         Ok([of(Raceway::Nut)?, of(Raceway::Screw)?])
     }
@@ -134,7 +134,7 @@ impl NutBody {
         2.0 * PI
             * nut.turns
             * nut.pitch()
-            * nut.material.0.youngs_modulus
+            * nut.material.raceways.youngs_modulus
             * nut.contact_angle.tan().powi(2)
             / ((outer + inner) / (outer - inner) + 1.0)
     }
@@ -143,7 +143,7 @@ impl NutBody {
 #[cfg(test)]
 mod tests {
     use approx::assert_relative_eq;
-    use bsm_dyn::Material;
+    use bsm_dyn::{Conformities, Material, Materials};
 
     use super::*;
 
@@ -155,8 +155,8 @@ mod tests {
             pitch_diameter: 63.35e-3,
             lead: 20e-3,
             contact_angle: PI / 4.0,
-            conformity: (0.55, 0.55),
-            material: (STEEL, STEEL),
+            conformity: Conformities::alike(0.55),
+            material: Materials::alike(STEEL),
             starts: 1.0,
             balls_per_turn: 16.0,
             turns: 6.0,

@@ -82,9 +82,8 @@ impl Nut {
     /// Returns the axial play of a thread with single-arc grooves \[m\] (G2). This is the largest
     /// possible play for the given contact angle.
     pub fn monoarc_play(&self) -> f64 {
-        let (nut, screw) = self.conformity;
         // s_m = 2 (R_n + R_s − D_w) sinβ                                  (G2)
-        2.0 * (nut + screw - 1.0) * self.ball_diameter * self.contact_angle.sin()
+        2.0 * (self.conformity.sum() - 1.0) * self.ball_diameter * self.contact_angle.sin()
     }
 
     /// Returns the contact angle of a thread \[rad\] from the radial distance between the bottoms
@@ -93,7 +92,7 @@ impl Nut {
     ///
     /// Source: Sobolewski (2002), eq. 1, whose printed denominator lacks the ball diameter.
     pub fn contact_angle_of(&self, bottoms: f64) -> Option<f64> {
-        let radii = (self.conformity.0 + self.conformity.1) * self.ball_diameter;
+        let radii = self.conformity.sum() * self.ball_diameter;
         // cosβ = [R_n + R_s − (D_ro − d_ro)/2] / (R_n + R_s − D_w)        (G4)
         let cos = (radii - bottoms) / (radii - self.ball_diameter);
         (cos > 0.0 && cos < 1.0).then(|| cos.acos())
@@ -130,8 +129,8 @@ impl Nut {
             Profile { radius, offset, height, core, root, land, land_height, edge }
         };
         Thread {
-            nut: profile(1.0, self.conformity.0, lands.0),
-            screw: profile(-1.0, self.conformity.1, lands.1),
+            nut: profile(1.0, self.conformity.nut, lands.0),
+            screw: profile(-1.0, self.conformity.screw, lands.1),
             play,
         }
     }
@@ -193,7 +192,7 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
     use approx::assert_relative_eq;
-    use bsm_dyn::Material;
+    use bsm_dyn::{Conformities, Material, Materials};
 
     use super::*;
 
@@ -205,8 +204,8 @@ mod tests {
             pitch_diameter: 64.61e-3,
             lead: 10e-3,
             contact_angle: 0.9 * FRAC_PI_4,
-            conformity: (0.55, 0.53),
-            material: (STEEL, STEEL),
+            conformity: Conformities { nut: 0.55, screw: 0.53 },
+            material: Materials::alike(STEEL),
             starts: 1.0,
             balls_per_turn: 28.0,
             turns: 6.0,

@@ -9,7 +9,7 @@ use bsm_design::{
     MotorLimit, Mount, Nut, Objective, Outcome, PhasePoint, Pitch, PreloadMethod, ProfileSegment,
     Range, Ranges, RatingFactors, Rejection, RequiredLife, Requirement, Travel,
 };
-use bsm_dyn::{Direction, DrivenPart, Material, angles::Angles};
+use bsm_dyn::{Conformities, Direction, DrivenPart, Material, Materials, angles::Angles};
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
@@ -51,7 +51,7 @@ fn feed_drive() -> Requirement {
         static_safety: 1.5,
         life: Some(RequiredLife::Time(3.6e7)),
         friction: 0.05,
-        material: (STEEL, STEEL),
+        material: Materials::alike(STEEL),
         pressure: 4.2e9,
         speed_number: Some(70.0 * PI / 30.0),
         make: Make::Ground,
@@ -97,8 +97,8 @@ fn nut(pitch: f64, ball: f64, balls: f64, turns: f64, beta: f64, conformity: f64
         pitch_diameter: pitch,
         lead: 10e-3,
         contact_angle: beta,
-        conformity: (conformity, conformity),
-        material: (STEEL, STEEL),
+        conformity: Conformities::alike(conformity),
+        material: Materials::alike(STEEL),
         starts: 1.0,
         balls_per_turn: balls,
         turns,
@@ -270,7 +270,7 @@ fn design_search_does_not_change_fixed_values() {
         nut.pitch_diameter / 40e-3,
         nut.ball_diameter / 6.35e-3,
         nut.contact_angle * 4.0 / PI,
-        nut.conformity.0 / 0.52,
+        nut.conformity.nut / 0.52,
         nut.turns / 5.0,
     ];
     assert!(kept.iter().all(|ratio| (ratio - 1.0).abs() < 1e-12), "{nut:?}");

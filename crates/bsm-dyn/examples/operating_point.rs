@@ -6,7 +6,8 @@ use std::f64::consts::PI;
 use std::io::{Error, Write as _, stdout};
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Problem,
+    Ball, Conformities, Coulomb, ElasticPoint, Load, Material, Materials, ModelWorkspace,
+    OperatingPoint, Problem,
     model::{RacewayControl, Rigid, Traction},
 };
 use bsm_kin::{Drive, Helix};
@@ -22,7 +23,11 @@ fn main() -> Result<(), Error> {
         drive: Drive { screw_speed: 50.0 * PI, nut_speed: 0.0 },
         load: Load { axial: 8000.0, balls: 70.0 },
     };
-    let screw = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
+    let screw = ElasticPoint {
+        point,
+        conformity: Conformities::alike(0.53),
+        material: Materials::alike(steel),
+    };
 
     // One [`ModelWorkspace`] can be reused for all points that a thread solves.
     let mut workspace = ModelWorkspace::default();

@@ -12,8 +12,8 @@
 //! use std::f64::consts::PI;
 //!
 //! use bsm_dyn::{
-//!     Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Problem,
-//!     model::RacewayControl,
+//!     Ball, Conformities, Coulomb, ElasticPoint, Load, Material, Materials, ModelWorkspace,
+//!     OperatingPoint, Problem, model::RacewayControl,
 //! };
 //! use bsm_kin::{Drive, Helix, Site};
 //!
@@ -27,7 +27,8 @@
 //!     drive: Drive { screw_speed: 50.0 * PI, nut_speed: 0.0 },
 //!     load: Load { axial: 8000.0, balls: 70.0 },
 //! };
-//! let screw = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
+//! let (conformity, material) = (Conformities::alike(0.53), Materials::alike(steel));
+//! let screw = ElasticPoint { point, conformity, material };
 //! let problem = Problem::RacewayControl(RacewayControl { screw, control: None });
 //! let solution = problem.solve(&mut ModelWorkspace::default());
 //!
@@ -45,7 +46,7 @@ mod extreme;
 mod models;
 mod outcome;
 
-pub use self::contact::{Ball, Coulomb, Load, Material};
+pub use self::contact::{Ball, Conformities, Coulomb, Load, Material, Materials};
 pub use self::cost::{Cost, cost_of};
 pub use self::models::{
     ElasticPoint, Model, ModelWorkspace, OperatingPoint, Problem, Solution, SteadyState,
@@ -84,8 +85,8 @@ pub mod model {
     pub use crate::models::{
         Auto, Basis, Choice, ClosedForm, Elastic, ElasticWorkspace, ErrorBound, LossInterval,
         MAX_ROLLING_ONSET, PermanentSet, QuasiStatic, RacewayControl, RacewayFriction,
-        RacewayWorkspace, Rigid, RigidRoot, RigidWorkspace, Sliding, StaticBall, Traction,
-        TractionWorkspace,
+        RacewayWorkspace, Rigid, RigidRoot, RigidSystem, RigidWorkspace, Sliding, StaticBall,
+        Traction, TractionWorkspace, Unknowns as RigidUnknowns,
     };
 }
 
@@ -118,18 +119,21 @@ pub mod train {
     pub use crate::models::{TrainBall, TrainMotion};
 }
 
-/// Equations of the models for numerical kernels that solve many points at once, and for benchmarks
-/// and validation. They are not part of the public API, because they depend on the implementation.
-#[doc(hidden)]
-pub mod internals {
-    pub use crate::contact::{BallOrbit, efficiency, ideal_torque, torque_of};
+/// Balls in scaled units, for one operating point or for several points side by side in a SIMD
+/// vector.
+///
+/// These types are generic over [`Real`](bsm_kin::Real). The models use them for a single point, and
+/// numerical kernels use them to solve many points at once. Lengths are divided by the ball radius,
+/// forces by the axial load per ball, and speeds by the relative speed, unless the documentation
+/// states a unit.
+pub mod lanes {
+    pub use crate::contact::{BallOrbit, ideal_torque};
     pub use crate::ellipse::{Patch, lubricated_powers, power_of_many};
     pub use crate::models::{
         BallContacts, EhlPoint, EhlUnits, ElasticMotion, FilmLoss, FirstOrder, GrooveContact,
-        LoadedContact, LubricatedWorkspace, ModelErrors, Plane, RacewayBall, ResultUnits,
-        RigidBall, RigidMotion, RollingMotion, RollingRoot, ScaledBall, ScaledFilm, ScaledSize,
-        SlidingBall, SlidingMotion, SlidingRoot, SlidingState, Sweeps, friction_angle,
-        friction_power, is_in_range, onset_number, rolling, rolling_torque, transmitted, turns,
+        LoadedContact, ModelErrors, Plane, RacewayBall, ResultUnits, RigidBall, RigidMotion,
+        RollingMotion, RollingRoot, ScaledBall, ScaledFilm, ScaledSize, SlidingBall, SlidingMotion,
+        SlidingRoot, SlidingState, Sweeps, friction_angle, friction_power, onset_number,
+        rolling_torque, transmitted,
     };
-    pub use crate::models::{RigidSystem, Unknowns as RigidUnknowns};
 }

@@ -5,11 +5,12 @@
 use std::iter::repeat_with;
 
 use bsm_case::{InputKey, SolutionOutput};
-use bsm_dyn::internals::{ModelErrors, SlidingBall};
+use bsm_dyn::lanes::{ModelErrors, SlidingBall};
 use bsm_dyn::{
     Direction,
     model::{Basis, Choice, ErrorBound},
 };
+use bsm_kin::Real;
 use bsm_simd::{Arch, Simd, WithSimd};
 
 use crate::contacts::UnitsCall;

@@ -2,7 +2,7 @@
 
 use bsm_case::units::{DEG, MM};
 use bsm_case::{InputKey, SolutionOutput};
-use bsm_dyn::internals::transmitted;
+use bsm_dyn::lanes::transmitted;
 use bsm_dyn::{
     Load, Model,
     solution::{BallState, ScrewSize},

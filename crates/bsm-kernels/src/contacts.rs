@@ -2,7 +2,7 @@
 //! quantities, and outputs for the contacts.
 
 use bsm_case::{InputKey, SolutionOutput};
-use bsm_dyn::internals::{BallContacts, ElasticMotion, LoadedContact, ScaledSize};
+use bsm_dyn::lanes::{BallContacts, ElasticMotion, LoadedContact, ScaledSize};
 use bsm_dyn::{SteadyState, lubrication::FilmState, model::ErrorBound, solution::Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 

@@ -2,8 +2,8 @@
 
 use bsm_case::{InputKey, SolutionOutput};
 use bsm_dyn::Model;
-use bsm_dyn::internals::{ElasticMotion, SlidingBall, SlidingRoot, SlidingState, ideal_torque};
-use bsm_kin::{relative_rotation, spin_at_nut};
+use bsm_dyn::lanes::{ElasticMotion, SlidingBall, SlidingRoot, SlidingState, ideal_torque};
+use bsm_kin::{Real, relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::contacts::{Contacts, ElasticResults, UnitsCall};

@@ -2,7 +2,7 @@
 
 use bsm_case::InputKey;
 use bsm_case::units::DEG;
-use bsm_dyn::internals::transmitted;
+use bsm_dyn::lanes::transmitted;
 use bsm_dyn::{Model, gothic::TwoContacts, solution::BallState};
 use bsm_kin::Real;
 use bsm_simd::Simd;

@@ -6,10 +6,11 @@ mod oil;
 use std::f64::consts::PI;
 
 use bsm_case::{InputKey, SolutionOutput};
-use bsm_dyn::internals::{
+use bsm_dyn::lanes::{
     ElasticMotion, RacewayBall, friction_power, ideal_torque, onset_number, rolling_torque,
 };
 use bsm_dyn::{Control, Model, lubrication::FilmState, solution::Transmission};
+use bsm_kin::Real;
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use self::friction::Ellipse;
@@ -20,10 +21,10 @@ use crate::kernel::{Kernel, Sink};
 use crate::units::Units;
 
 /// Direct solution at each point of a block.
-pub(super) type RollingRoot<S> = bsm_dyn::internals::RollingRoot<Lane<S>>;
+pub(super) type RollingRoot<S> = bsm_dyn::lanes::RollingRoot<Lane<S>>;
 
 /// Motion of the rolling ball at each point of a block.
-pub(super) type RollingMotion<S> = bsm_dyn::internals::RollingMotion<Lane<S>>;
+pub(super) type RollingMotion<S> = bsm_dyn::lanes::RollingMotion<Lane<S>>;
 
 /// Function object that calculates the direct solution of the raceway-control model. It is compiled
 /// as a separate function because two kernels share it.

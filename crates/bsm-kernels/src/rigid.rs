@@ -6,7 +6,8 @@
 use bsm_case::units::DEG;
 use bsm_case::{InputKey, SolutionOutput};
 use bsm_dyn::Model;
-use bsm_dyn::internals::{Plane, RigidBall, friction_angle};
+use bsm_dyn::lanes::{Plane, RigidBall, friction_angle};
+use bsm_kin::Real;
 use bsm_simd::Simd;
 
 use crate::inputs::{Lane, LaneInputs, Mask};

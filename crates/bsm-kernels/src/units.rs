@@ -3,7 +3,7 @@
 
 use bsm_case::InputKey;
 use bsm_case::units::{GPA, MM};
-use bsm_dyn::internals::ResultUnits;
+use bsm_dyn::lanes::ResultUnits;
 use bsm_dyn::{Ball, Material, hertz::contact_modulus};
 use bsm_kin::Drive;
 use bsm_simd::Simd;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::io::{Error, Write as _, stdout};
 use std::time::Instant;
 
-use bsm_dyn::{Ball, Material};
+use bsm_dyn::{Ball, Conformities, Material, Materials};
 use bsm_kin::Helix;
 use bsm_nut::{BallNut, Bar, Circuit, Errors, Flanks, Ring, Support};
 use serde_json::json;
@@ -34,8 +34,8 @@ fn nut(balls: u16) -> BallNut {
         starts: 1,
         ball: Ball::of_density(radius, 7800.0),
         contact_angle: 45_f64.to_radians(),
-        conformity: (0.5203, 0.5203),
-        material: (steel, steel),
+        conformity: Conformities::alike(0.5203),
+        material: Materials::alike(steel),
         circuits: vec![circuit],
         errors: Errors::default(),
         nut_bar: Some(Bar { stiffness: bodies * bodies * 453e6, anchor: -0.01 }),

@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Load, Material, OperatingPoint, Reason,
+    Ball, Conformities, Coulomb, ElasticPoint, Load, Materials, OperatingPoint, Reason,
     gothic::Grooves,
     hertz::{Groove, Hertz, Raceway},
 };
@@ -100,9 +100,9 @@ pub struct BallNut {
     /// Unloaded contact angle \[rad\], in (0, π/2).
     pub contact_angle: f64,
     /// Conformities of nut and screw (groove radius divided by ball diameter), above 1/2.
-    pub conformity: (f64, f64),
+    pub conformity: Conformities,
     /// Elastic constants of raceways and balls.
-    pub material: (Material, Material),
+    pub material: Materials,
     /// Circuits of loaded balls.
     pub circuits: Vec<Circuit>,
     /// Manufacturing errors.
@@ -291,7 +291,7 @@ impl BallNut {
     /// and screw \[m\].
     fn offsets(&self) -> [f64; 2] {
         let offset = |member, conformity| Groove { member, conformity }.offset(self.ball.radius);
-        [offset(Raceway::Nut, self.conformity.0), offset(Raceway::Screw, self.conformity.1)]
+        [offset(Raceway::Nut, self.conformity.nut), offset(Raceway::Screw, self.conformity.screw)]
     }
 
     /// Returns the distance between the groove-arc centers of nut and screw at first contact \[m\].

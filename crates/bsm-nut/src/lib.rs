@@ -15,7 +15,7 @@
 //! ```
 //! use std::f64::consts::PI;
 //!
-//! use bsm_dyn::{Ball, Material};
+//! use bsm_dyn::{Ball, Conformities, Material, Materials};
 //! use bsm_kin::Helix;
 //! use bsm_nut::{BallNut, Circuit, Errors, Flanks, Support};
 //!
@@ -27,8 +27,8 @@
 //!     starts: 1,
 //!     ball: Ball::of_density(3.175e-3, 7800.0),
 //!     contact_angle: PI / 4.0,
-//!     conformity: (0.53, 0.53),
-//!     material: (steel, steel),
+//!     conformity: Conformities::alike(0.53),
+//!     material: Materials::alike(steel),
 //!     circuits: vec![Circuit { start: 0.0, arc: 7.0 * PI, balls: 70, thread: 0, body: 0, flanks, offset: 0.0 }],
 //!     errors: Errors::default(),
 //!     nut_bar: None,

@@ -49,7 +49,7 @@ impl BallNut {
     ///   ball then twists the screw, and the twist moves the groove in the axial direction.
     pub fn screw_stiffness(&self, twists: bool) -> f64 {
         let [screw, _] = self.groove_diameters();
-        let steel = self.material.0;
+        let steel = self.material.raceways;
         // EA = E π/4 D_s²                                                 (U13)
         let axial = steel.youngs_modulus * 0.25 * PI * screw * screw;
         if !twists {
@@ -67,7 +67,7 @@ impl BallNut {
     pub fn nut_stiffness(&self, outer: f64) -> f64 {
         let [_, inner] = self.groove_diameters();
         // EA = E π/4 (D₁² − D_t²)                                         (U13)
-        self.material.0.youngs_modulus * 0.25 * PI * (outer * outer - inner * inner)
+        self.material.raceways.youngs_modulus * 0.25 * PI * (outer * outer - inner * inner)
     }
 
     /// Returns the displacement that preloads the nut \[m\] (U18), which is the offset between the

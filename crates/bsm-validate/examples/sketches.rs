@@ -249,7 +249,7 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     let contact = Contact::new(Site::Nut, angle, &frame);
     let motion = motion.relative_to(traction.screw.point.drive.nut_speed, &frame);
     let arc = traction.screw.point.helix.arc_length_per_radian();
-    let pressed = bsm_dyn::hertz::pressed_radius(traction.screw.conformity.0, ball);
+    let pressed = bsm_dyn::hertz::pressed_radius(traction.screw.conformity.nut, ball);
     let slip = |x: f64, y: f64| {
         let point = contact.normal * (x * x / (2.0 * pressed) - ball)
             + contact.transverse * x

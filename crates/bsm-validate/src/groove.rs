@@ -13,7 +13,8 @@ use bsm_design::{
 };
 use bsm_dyn::model::Auto;
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Problem, Reason,
+    Ball, Conformities, Coulomb, ElasticPoint, Load, Material, Materials, ModelWorkspace,
+    OperatingPoint, Problem, Reason,
 };
 use bsm_kin::{Drive, Helix};
 use serde::Deserialize;
@@ -271,7 +272,7 @@ impl Sizes {
             pitch_diameter: None,
             core: None,
             turns: None,
-            conformity: (None, None),
+            conformity: Conformities::alike(None),
             contact_angle: None,
         }
     }
@@ -430,7 +431,7 @@ const DENSITY: f64 = 7800.0;
 /// Returns the friction torque of the contacts \[N·m\]. As in the reference, it is calculated with
 /// model `auto`.
 fn friction_torque(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
-    let nut = groove.nut(lead, (STEEL, STEEL));
+    let nut = groove.nut(lead, Materials::alike(STEEL));
     let point = OperatingPoint {
         helix: Helix { radius: 0.5 * groove.pitch_diameter, lead_angle: nut.lead_angle() },
         contact_angle: groove.contact_angle,
@@ -439,7 +440,8 @@ fn friction_torque(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64
         drive: Drive { screw_speed: SPEED, nut_speed: 0.0 },
         load: Load { axial: load, balls: groove.loaded_balls },
     };
-    let at = ElasticPoint { point, conformity: groove.conformity, material: (STEEL, STEEL) };
+    let at =
+        ElasticPoint { point, conformity: groove.conformity, material: Materials::alike(STEEL) };
     let problem = Problem::Auto(Auto { screw: at, tolerance: Settings::default().tolerance });
     let solution = WORK.with_borrow_mut(|work| problem.solve(work));
     if let Some(reason) = solution.reason() {
@@ -453,14 +455,14 @@ fn friction_torque(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64
 
 /// Returns the secant stiffness of the contacts \[N/µm\].
 fn stiffness(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
-    let nut = groove.nut(lead, (STEEL, STEEL));
+    let nut = groove.nut(lead, Materials::alike(STEEL));
     Ok(nut.elasticity(&NutBody::usual(&nut, NutSet::Single))?.secant(load) * UM)
 }
 
 /// Returns the largest contact pressure at the screw \[MPa\], assuming equal ball loads and the
 /// unloaded contact angle.
 fn pressure(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
-    let nut = groove.nut(lead, (STEEL, STEEL));
+    let nut = groove.nut(lead, Materials::alike(STEEL));
     let [_, screw] = nut.hertz()?;
     let direction = groove.contact_angle.sin() * nut.lead_angle().cos();
     Ok(screw.max_pressure(load / (groove.loaded_balls * direction)) * 1e-6)

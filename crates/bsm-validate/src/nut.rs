@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 use bsm_case::units::{MM, UM};
 use bsm_design::Nut;
-use bsm_dyn::{Ball, Material};
+use bsm_dyn::{Ball, Conformities, Material, Materials};
 use bsm_kin::Helix;
 use bsm_nut::{
     BallNut, Bar, Circuit, Errors, Flanks, Freedom, NutError, PreloadKind, Ring, Support,
@@ -89,8 +89,8 @@ impl Bearing {
             helix: Helix { radius: 0.5 * pitch, lead_angle: 0.0 },
             ball: Ball::of_density(0.5 * diameter, 7800.0),
             contact_angle: 0.0,
-            conformity: (0.53, 0.52),
-            material: (steel, steel),
+            conformity: Conformities { nut: 0.53, screw: 0.52 },
+            material: Materials::alike(steel),
             errors: Errors { gap: 0.5 * self.clearance_um * UM, ..Errors::default() },
             ..rigid(vec![circuit])
         };
@@ -124,8 +124,8 @@ fn rigid(circuits: Vec<Circuit>) -> BallNut {
         starts: 1,
         ball: Ball::of_density(3.175 * MM, 7800.0),
         contact_angle: FRAC_PI_4,
-        conformity: (CONFORMITY, CONFORMITY),
-        material: (STEEL, STEEL),
+        conformity: Conformities::alike(CONFORMITY),
+        material: Materials::alike(STEEL),
         circuits,
         errors: Errors::default(),
         nut_bar: None,
@@ -234,8 +234,8 @@ impl CatalogRow {
             pitch_diameter: pitch * MM,
             lead,
             contact_angle: FRAC_PI_4,
-            conformity: (CONFORMITY, CONFORMITY),
-            material: (STEEL, STEEL),
+            conformity: Conformities::alike(CONFORMITY),
+            material: Materials::alike(STEEL),
             starts: 1.0,
             balls_per_turn: 1.0,
             turns: 1.0,

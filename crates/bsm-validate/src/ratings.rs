@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_4;
 
 use bsm_case::units::{MM, UM};
 use bsm_design::{BALL_GAP, Nut, NutBody, NutSet, PRELOAD, ROLLING_LEVER, Thread, loaded_balls};
-use bsm_dyn::Material;
+use bsm_dyn::{Conformities, Material, Materials};
 use serde::Deserialize;
 
 use crate::report::largest;
@@ -66,8 +66,8 @@ impl Row {
             pitch_diameter,
             lead,
             contact_angle: FRAC_PI_4,
-            conformity: (self.conformity, self.conformity),
-            material: (STEEL, STEEL),
+            conformity: Conformities::alike(self.conformity),
+            material: Materials::alike(STEEL),
             starts: 1.0,
             balls_per_turn,
             turns: self.turns,
@@ -189,7 +189,7 @@ fn statements(rows: &[Row]) -> [Check; 2] {
     };
     let conformity = |row: &Row, i: i32| {
         let f = 0.51 + 0.01 * f64::from(i);
-        Nut { conformity: (f, f), ..row.nut() }
+        Nut { conformity: Conformities::alike(f), ..row.nut() }
     };
     let largest_step = |nut: &dyn Fn(&Row, i32) -> Nut, steps: i32| {
         let numbers: [fn(&Nut) -> f64; 2] = [|nut| nut.dynamic_rating().rating, pair_stiffness];

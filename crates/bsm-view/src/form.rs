@@ -2,7 +2,9 @@
 //! permitted values, outputs, and the names of the models.
 
 use bsm_case::units::{UnitChange, label, other_units};
-use bsm_case::{DisplayUnit, DisplayUnits, INPUTS, ModelChoice, OUTPUTS, OutputType, input_schema};
+use bsm_case::{
+    Choice, DisplayUnit, DisplayUnits, INPUTS, ModelChoice, OUTPUTS, OutputType, input_schema,
+};
 use serde_json::{Value, json};
 
 /// Returns the schema of cases, the names and units of inputs and outputs, and the display units.

@@ -397,7 +397,7 @@ fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> O
 fn case(requirement: &RequirementFile, design: &Design) -> Case {
     let Design { nut, size, phase, .. } = design;
     let by_torque = matches!(requirement.problem.demand, LoadCase::Torque { .. });
-    let conformity = Some(decimal(nut.conformity.0));
+    let conformity = Some(decimal(nut.conformity.nut));
     // A nut with several thread starts has one circuit on each start.
     let several = Some(nut.starts).filter(|starts| *starts > 1.0);
     Case {

@@ -589,13 +589,13 @@ fn alternatives(names: &[&str]) -> String {
 fn note(estimate: &GrooveEstimate, narrowing: &[&str]) -> String {
     let EstimatedGroove { ball_diameter, conformity, contact_angle, turns, loaded_balls, .. } =
         estimate.best();
-    let conformities = if (conformity.0 - conformity.1).abs() <= 0.0 {
-        format!("conformities {}", format_trimmed(conformity.0))
+    let conformities = if (conformity.nut - conformity.screw).abs() <= 0.0 {
+        format!("conformities {}", format_trimmed(conformity.nut))
     } else {
         format!(
             "conformities {} and {}",
-            format_trimmed(conformity.0),
-            format_trimmed(conformity.1)
+            format_trimmed(conformity.nut),
+            format_trimmed(conformity.screw)
         )
     };
     let narrow = if narrowing.is_empty() {
@@ -650,8 +650,8 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     let draws = estimate.draws(bsm_design::DRAWS);
     let ends = |key: InputKey| {
         let read = |groove: &EstimatedGroove| match key {
-            InputKey::nut_conformity => groove.conformity.0,
-            InputKey::screw_conformity => groove.conformity.1,
+            InputKey::nut_conformity => groove.conformity.nut,
+            InputKey::screw_conformity => groove.conformity.screw,
             InputKey::contact_angle_deg => groove.contact_angle / DEG,
             _ => length.value(groove.pitch_diameter / MM),
         };
@@ -684,8 +684,8 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
         row("loaded turns", format_trimmed(best.turns), "", "assumed", turns(&estimate.hypotheses));
     }
     let others = [
-        (InputKey::nut_conformity, "conformity of the nut", best.conformity.0, ""),
-        (InputKey::screw_conformity, "conformity of the screw", best.conformity.1, ""),
+        (InputKey::nut_conformity, "conformity of the nut", best.conformity.nut, ""),
+        (InputKey::screw_conformity, "conformity of the screw", best.conformity.screw, ""),
         (InputKey::contact_angle_deg, "contact angle", best.contact_angle / DEG, "deg"),
         (
             InputKey::pitch_circle_diameter_mm,

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use bsm_dyn::{
     Direction, Reason, Solution,
     angles::Angles,
-    hertz::{contact_modulus, flat_stiffness},
+    hertz::flat_stiffness,
     lubrication::{FrictionLaw, viscous_drag},
     model::{PermanentSet, centrifugal_force},
     solution::SteadyBall,
@@ -389,10 +389,7 @@ impl BallReturn {
             ball.helix.arc_length_per_radian() * to_nut.abs()
         });
         let stiffness = case.return_stiffness_N_um15.map_or_else(
-            || {
-                let (raceways, balls) = case.reader().materials();
-                flat_stiffness(contact_modulus(&raceways, &balls), ball.radius)
-            },
+            || flat_stiffness(case.reader().materials().contact_modulus(), ball.radius),
             |k| k * PER_UM15,
         );
         let mass = point.ball.mass;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
 
 use bsm_design::{Band, Candidate, Nut};
+use bsm_dyn::Materials;
 use serde_json::{Map, Value, json};
 
 use super::manufacturers::{ListNumber, ManufacturerRow, OwnCell};
@@ -28,10 +29,10 @@ quantities! {
         lead_mm = INPUTS Scalar(|c| decimal(c.nut.lead / MM));
         ball_diameter_mm = INPUTS Scalar(|c| decimal(c.nut.ball_diameter / MM));
         loaded_turns = INPUTS Scalar(|c| c.nut.turns);
-        nut_conformity = INPUTS Scalar(|c| c.nut.conformity.0);
+        nut_conformity = INPUTS Scalar(|c| c.nut.conformity.nut);
     }
     hidden {
-        screw_conformity = INPUTS Scalar(|c| c.nut.conformity.1);
+        screw_conformity = INPUTS Scalar(|c| c.nut.conformity.screw);
         contact_angle_deg = INPUTS Scalar(|c| decimal(c.nut.contact_angle / DEG));
         pitch_circle_diameter_mm = INPUTS Scalar(|c| c.nut.pitch_diameter / MM);
         loaded_balls_per_turn = INPUTS Scalar(|c| c.nut.balls_per_turn);
@@ -257,7 +258,7 @@ pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFil
     for number in nut.values_mut() {
         *number = json!(number.as_f64().map(decimal));
     }
-    let Nut { starts, material: (raceways, _), .. } = candidate.nut;
+    let Nut { starts, material: Materials { raceways, ball: _ }, .. } = candidate.nut;
     if starts > 1.0 {
         nut.insert("circuits_count".to_owned(), json!(starts));
     }

@@ -1,7 +1,7 @@
 //! Catalog of nuts: lists of sizes, and limits for their combinations.
 
 use bsm_design::{Candidate, Limits, Lists, OfferedSize, Range, front};
-use bsm_dyn::Material;
+use bsm_dyn::{Material, Materials};
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between, Within};
@@ -268,7 +268,7 @@ impl ListEntries {
             axial_play: self.number(K::axial_play_um, UM),
             turns: self.range(K::turns_range),
             conformity: self.range(K::nut_conformity_range),
-            material: (steel, steel),
+            material: Materials::alike(steel),
             preload: self.number(K::preload_over_dynamic_rating, 1.0),
             rolling_lever: self.number(K::rolling_friction_mm, MM),
         };

@@ -5,6 +5,7 @@ use bsm_design::{
     CatalogLine, CatalogMistake, EstimatedGroove, GrooveEstimate, RejectedRow,
     quasi_random_besides_groove, turn_length,
 };
+use bsm_dyn::Conformities;
 
 use crate::case::axis::rated_dynamic_load;
 use crate::case::nut::balls_and_turns;
@@ -148,7 +149,7 @@ impl Case {
             pitch_diameter: meters(InputKey::pitch_circle_diameter_mm),
             core: meters(InputKey::shaft_diameter_mm),
             turns: balls_and_turns(self).1,
-            conformity: (self.nut_conformity, self.screw_conformity),
+            conformity: Conformities { nut: self.nut_conformity, screw: self.screw_conformity },
             contact_angle: self.contact_angle_deg.map(|deg| deg * DEG),
         }))
     }
@@ -167,8 +168,8 @@ impl Case {
             (InputKey::ball_diameter_mm, groove.ball_diameter / MM, true),
             (InputKey::pitch_circle_diameter_mm, groove.pitch_diameter / MM, true),
             (InputKey::contact_angle_deg, angle, self.groove_bottom_distance_mm.is_none()),
-            (InputKey::nut_conformity, groove.conformity.0, true),
-            (InputKey::screw_conformity, groove.conformity.1, true),
+            (InputKey::nut_conformity, groove.conformity.nut, true),
+            (InputKey::screw_conformity, groove.conformity.screw, true),
             (InputKey::loaded_balls_per_turn, per_turn, self.entries.circuits.is_none()),
             (InputKey::loaded_turns, turns, given_turns.is_none()),
         ];

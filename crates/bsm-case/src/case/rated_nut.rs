@@ -1,6 +1,7 @@
 //! Nut of a case: balls, thread and nut body.
 
 use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, StiffnessAt, Thread};
+use bsm_dyn::Conformities;
 
 use crate::case::axis::{nut_set, rated_dynamic_load};
 use crate::case::nut::balls_and_turns;
@@ -61,7 +62,10 @@ pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<N
         pitch_diameter: pitch_mm * MM,
         lead: lead * MM,
         contact_angle: case.contact_angle_deg.map_or(f64::NAN, |deg| deg * DEG),
-        conformity: (value(InputKey::nut_conformity), value(InputKey::screw_conformity)),
+        conformity: Conformities {
+            nut: value(InputKey::nut_conformity),
+            screw: value(InputKey::screw_conformity),
+        },
         material: case.reader().materials(),
         balls_per_turn: balls_per_turn.unwrap_or(f64::NAN),
         turns: turns.unwrap_or(f64::NAN),
@@ -69,7 +73,7 @@ pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<N
     };
     let Some(bottoms) = case.groove_bottom_distance_mm else { return Ok(nut) };
     let contact_angle = nut.contact_angle_of(bottoms * MM).ok_or_else(|| {
-        let radii = (nut.conformity.0 + nut.conformity.1) * nut.ball_diameter;
+        let radii = nut.conformity.sum() * nut.ball_diameter;
         CaseError::out_of_range(
             "groove_bottom_distance_mm",
             bottoms,

@@ -147,7 +147,7 @@ impl RatedScrew {
             outer: case.screw_outer_diameter_mm.map_or(nominal, |mm| mm * MM),
             mass_per_length: mass,
             inertia_per_length: rod_inertia(1.0, mass),
-            youngs_modulus: case.reader().materials().0.youngs_modulus,
+            youngs_modulus: case.reader().materials().raceways.youngs_modulus,
         };
         Ok(Self { screw, body: NutBody { outer, length }, assumed })
     }

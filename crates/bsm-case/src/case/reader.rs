@@ -1,7 +1,8 @@
 //! Conversion of the inputs of a case to a model problem in SI units.
 
 use bsm_dyn::{
-    Ball, Coulomb, Direction, ElasticPoint, Load, Material, Model, OperatingPoint, Problem,
+    Ball, Conformities, Coulomb, Direction, ElasticPoint, Load, Material, Materials, Model,
+    OperatingPoint, Problem,
     angles::Angles,
     gothic::{ArchFit, GothicBall},
     lubrication::{
@@ -149,17 +150,17 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     }
 
     /// Returns the elastic constants of raceways and balls.
-    pub(crate) fn materials(&self) -> (Material<D>, Material<D>) {
+    pub(crate) fn materials(&self) -> Materials<D> {
         let raceways = Material {
             youngs_modulus: self.value(InputKey::youngs_modulus_GPa) * GPA,
             poisson_ratio: self.value(InputKey::poisson_ratio),
         };
         let (modulus, ratio) = (InputKey::ball_youngs_modulus_GPa, InputKey::ball_poisson_ratio);
-        let balls = Material {
+        let ball = Material {
             youngs_modulus: self.given(modulus).map_or(raceways.youngs_modulus, |e| e * GPA),
             poisson_ratio: self.given(ratio).unwrap_or(raceways.poisson_ratio),
         };
-        (raceways, balls)
+        Materials { raceways, ball }
     }
 
     /// Returns the axial play, radial gap and oversize of a ball in its gothic-arch grooves, or
@@ -179,10 +180,10 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     pub(crate) fn elastic_point(&self) -> ElasticPoint<D> {
         ElasticPoint {
             point: self.operating_point(),
-            conformity: (
-                self.value(InputKey::nut_conformity),
-                self.value(InputKey::screw_conformity),
-            ),
+            conformity: Conformities {
+                nut: self.value(InputKey::nut_conformity),
+                screw: self.value(InputKey::screw_conformity),
+            },
             material: self.materials(),
         }
     }

@@ -193,7 +193,7 @@ impl<D: Real> Load<D> {
 ///
 /// * `back`: true if the load back-drives the screw.
 #[inline(always)]
-pub fn efficiency<F: Real>(back: F::Mask, ideal: F, torque: F) -> F {
+pub(crate) fn efficiency<F: Real>(back: F::Mask, ideal: F, torque: F) -> F {
     // η = F_a r_m tanα / T, or T / (F_a r_m tanα) for back-driving        (B8)
     F::select(back, torque, ideal) / F::select(back, ideal, torque)
 }
@@ -203,7 +203,7 @@ pub fn efficiency<F: Real>(back: F::Mask, ideal: F, torque: F) -> F {
 ///
 /// * `back`: true if the load back-drives the screw.
 #[inline(always)]
-pub fn torque_of<F: Real>(back: F::Mask, ideal: F, efficiency: F) -> F {
+pub(crate) fn torque_of<F: Real>(back: F::Mask, ideal: F, efficiency: F) -> F {
     F::select(back, ideal * efficiency, ideal / efficiency)
 }
 

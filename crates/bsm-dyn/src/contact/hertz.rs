@@ -26,6 +26,54 @@ pub fn contact_modulus<D: Real>(one: &Material<D>, other: &Material<D>) -> D {
     (one.compliance() + other.compliance()).recip()
 }
 
+/// Elastic constants of the raceways and of the balls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Materials<D = f64> {
+    /// Material of the raceways on nut and screw.
+    pub raceways: Material<D>,
+    /// Material of the balls.
+    pub ball: Material<D>,
+}
+
+impl<D: Real> Materials<D> {
+    /// Returns the materials of a ball screw whose raceways and balls are made of the same steel.
+    pub const fn alike(steel: Material<D>) -> Self {
+        Self { raceways: steel, ball: steel }
+    }
+
+    /// Returns the contact modulus `$E^*$` of raceway and ball \[Pa\] (H1).
+    #[inline(always)]
+    pub fn contact_modulus(&self) -> D {
+        contact_modulus(&self.raceways, &self.ball)
+    }
+}
+
+/// Conformities of the nut and the screw: ratios of groove radius to ball diameter
+/// (dimensionless), above 1/2.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conformities<D = f64> {
+    /// Conformity of the nut.
+    pub nut: D,
+    /// Conformity of the screw.
+    pub screw: D,
+}
+
+impl<D: Copy> Conformities<D> {
+    /// Returns the conformities of a nut and a screw with equal groove radii.
+    pub const fn alike(conformity: D) -> Self {
+        Self { nut: conformity, screw: conformity }
+    }
+}
+
+impl<D: Real> Conformities<D> {
+    /// Returns the sum of both conformities, which is the sum of the groove radii divided by the
+    /// ball diameter.
+    #[inline(always)]
+    pub fn sum(&self) -> D {
+        self.nut + self.screw
+    }
+}
+
 impl<D: Real> Material<D> {
     /// Returns the compliance `$(1-\nu^2)/E$` \[1/Pa\].
     #[inline(always)]

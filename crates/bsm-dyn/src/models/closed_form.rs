@@ -27,7 +27,7 @@ pub struct ScrewSize<D = f64> {
 /// * `back`: true if the load back-drives the screw.
 /// * `load_ratio`: normal load divided by axial load per ball.
 #[inline(always)]
-pub fn turns<F: Real>(back: F::Mask, efficiency: F, load_ratio: F) -> F::Mask {
+pub(crate) fn turns<F: Real>(back: F::Mask, efficiency: F, load_ratio: F) -> F::Mask {
     (back | efficiency.above(0.0)) & load_ratio.above(0.0) & load_ratio.below(f64::INFINITY)
 }
 

@@ -23,8 +23,8 @@ use super::traction::{
     COARSE_ACCURACY, COARSE_RESIDUAL, SEARCH_ACCURACY, Traction, TractionWorkspace,
 };
 use crate::contact::{
-    Coulomb, Load, POWER_BALANCE_TOL, Power, axial_force, efficiency, ideal_torque, max_pressure,
-    torque,
+    Conformities, Coulomb, Load, POWER_BALANCE_TOL, Power, axial_force, efficiency, ideal_torque,
+    max_pressure, torque,
 };
 use crate::ellipse::{Quadrature, RulePair, Rules, pressed_radius};
 use crate::models::ball::{
@@ -175,7 +175,7 @@ impl<D: Scalar> GothicBall<D> {
 
     /// Returns the radii of the deformed contact surfaces at the nut and the screw \[m\].
     fn pressed_radii(&self) -> [D; 2] {
-        let (nut, screw) = self.screw.conformity;
+        let Conformities { nut, screw } = self.screw.conformity;
         [nut, screw].map(|conformity| pressed_radius(conformity, self.screw.point.ball.radius))
     }
 }

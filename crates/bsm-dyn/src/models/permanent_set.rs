@@ -172,7 +172,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        Ball, Coulomb, Load, Material, OperatingPoint, Solution,
+        Ball, Conformities, Coulomb, Load, Material, Materials, OperatingPoint, Solution,
         model::{RacewayControl, RacewayWorkspace, Traction},
     };
 
@@ -189,8 +189,8 @@ mod tests {
                 drive: Drive { screw_speed: 262.0, nut_speed: 0.0 },
                 load: Load { axial, balls: 44.0 },
             },
-            conformity: (0.535, 0.535),
-            material: (raceways, balls),
+            conformity: Conformities::alike(0.535),
+            material: Materials { raceways, ball: balls },
         }
     }
 

@@ -18,7 +18,7 @@ use bsm_kin::{Motion, Real, Scalar};
 use self::balance::{Balance, StaticRoot};
 pub use self::ball::RacewayBall;
 pub use self::direct::{RollingMotion, RollingRoot};
-pub use self::rolling::rolling;
+pub(crate) use self::rolling::rolling;
 pub(crate) use self::statics::STATIC_UNKNOWNS;
 use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
@@ -360,7 +360,7 @@ mod tests {
     use super::*;
     use crate::extreme::random_extreme_screw;
     use crate::{
-        Ball, Coulomb, Load, Material, OperatingPoint, Reason, Status,
+        Ball, Conformities, Coulomb, Load, Material, Materials, OperatingPoint, Reason, Status,
         solution::{ContactState, Slip},
     };
 
@@ -377,8 +377,8 @@ mod tests {
                 drive: Drive { screw_speed: rpm * std::f64::consts::PI / 30.0, nut_speed: 0.0 },
                 load: Load { axial, balls: 1.0 },
             },
-            conformity: (0.53, 0.53),
-            material: (STEEL, STEEL),
+            conformity: Conformities::alike(0.53),
+            material: Materials::alike(STEEL),
         };
         RacewayControl { screw, control: None }
     }
@@ -432,9 +432,9 @@ mod tests {
             },
             load: Load { axial: D::from(8000.0), balls: D::from(70.0) },
         };
-        let conformity = (D::from(0.52), D::from(0.53));
+        let conformity = Conformities { nut: D::from(0.52), screw: D::from(0.53) };
         RacewayControl {
-            screw: ElasticPoint { point, conformity, material: (steel, steel) },
+            screw: ElasticPoint { point, conformity, material: Materials::alike(steel) },
             control: None,
         }
     }
@@ -474,9 +474,9 @@ mod tests {
             (slip(o.ball.nut).spin.abs(), slip(o.ball.screw).spin.abs())
         };
         // The groove with the closer conformity has the longer ellipse and the larger spin moment.
-        let (nut, screw) = spins((0.51, 0.55));
+        let (nut, screw) = spins(Conformities { nut: 0.51, screw: 0.55 });
         assert!(nut < 1e-9 * screw, "{nut} {screw}");
-        let (nut, screw) = spins((0.55, 0.51));
+        let (nut, screw) = spins(Conformities { nut: 0.55, screw: 0.51 });
         assert!(screw < 1e-9 * nut, "{nut} {screw}");
     }
 
@@ -496,7 +496,7 @@ mod tests {
                 drive: Drive { screw_speed: speed, nut_speed: nut * speed },
                 ..base.point
             };
-            let case = ElasticPoint { point, conformity: (f_n, f_s), ..base };
+            let case = ElasticPoint { point, conformity: Conformities { nut: f_n, screw: f_s }, ..base };
             let o = solved(&RacewayControl { screw: case, control: None });
             let [q_a, q_b] = [o.ball.nut, o.ball.screw].map(|c| c.load.expect("a load"));
             let (a, b) = (o.ball.nut.angle, o.ball.screw.angle);
@@ -559,7 +559,7 @@ mod tests {
             // Every other point has equal conformities, for which the two sides of (W7) are nearly
             // equal.
             if solved % 2 == 0 {
-                screw.conformity.1 = screw.conformity.0;
+                screw.conformity.screw = screw.conformity.nut;
             }
             let Ok(contacts) = screw.scaled() else { continue };
             let [nut, screw] = Control::ALL
@@ -593,7 +593,10 @@ mod tests {
         };
         let still = lin_screw(100.0, 0.0);
         assert_eq!(failure_of(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
-        let screw = ElasticPoint { conformity: (5.0, 0.53), ..lin_screw(100.0, 100.0).screw };
+        let screw = ElasticPoint {
+            conformity: Conformities { nut: 5.0, screw: 0.53 },
+            ..lin_screw(100.0, 100.0).screw
+        };
         let (status, reason) = failure_of(&RacewayControl { screw, control: None });
         assert_eq!(status, Status::InvalidInput);
         assert!(matches!(reason, Reason::CurvaturesNotHertzian { .. }), "{reason:?}");

@@ -7,7 +7,7 @@ use bsm_kin::{Drive, Helix};
 use bsm_sample::Sample;
 use rand::{Rng, RngExt};
 
-use crate::{Ball, Coulomb, ElasticPoint, Load, Material, OperatingPoint};
+use crate::{Ball, Conformities, Coulomb, ElasticPoint, Load, Material, Materials, OperatingPoint};
 
 /// Returns a random screw in the practical ranges of the inputs, as in the benchmarks. For most of
 /// these screws, the rigid model has a root.
@@ -26,8 +26,8 @@ pub(crate) fn random_practical_screw(rng: &mut impl Rng) -> ElasticPoint {
             drive: Drive { screw_speed, nut_speed },
             load: Load { axial: rng.random_range(20.0..3000.0), balls: 1.0 },
         },
-        conformity: (0.53, 0.53),
-        material: (steel, steel),
+        conformity: Conformities::alike(0.53),
+        material: Materials::alike(steel),
     }
 }
 
@@ -39,7 +39,7 @@ pub(crate) fn random_extreme_screw(rng: &mut impl Rng) -> ElasticPoint {
     let (axial, speed, other) = (log(1e-6, 1e6), log(1e-3, 1e6), log(1e-3, 1e6));
     let friction = log(1e-6, 1.0);
     let (groove, ball, density) = (log(1e7, 1e12), log(1e7, 1e12), log(500.0, 2e4));
-    let conformity = (0.5 + log(1e-3, 0.3), 0.5 + log(1e-3, 0.3));
+    let conformity = Conformities { nut: 0.5 + log(1e-3, 0.3), screw: 0.5 + log(1e-3, 0.3) };
     let mut flip = |x: f64| if rng.random_bool(0.5) { x } else { -x };
     let [speed, other] = [speed, other].map(|rpm| flip(rpm) * PI / 30.0);
     let (screw_speed, nut_speed) = match rng.random_range(0..5) {
@@ -59,7 +59,7 @@ pub(crate) fn random_extreme_screw(rng: &mut impl Rng) -> ElasticPoint {
             load: Load { axial, balls: 1.0 },
         },
         conformity,
-        material: (material(groove), material(ball)),
+        material: Materials { raceways: material(groove), ball: material(ball) },
     }
 }
 
@@ -77,7 +77,7 @@ pub(crate) fn nut_operating_point(axial: f64, balls: f64, screw_speed: f64) -> E
             drive: Drive { screw_speed, nut_speed: 0.0 },
             load: Load { axial, balls },
         },
-        conformity: (0.5203, 0.5203),
-        material: (steel, steel),
+        conformity: Conformities::alike(0.5203),
+        material: Materials::alike(steel),
     }
 }

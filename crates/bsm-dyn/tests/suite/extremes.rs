@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Ball, Control, Coulomb, Direction, ElasticPoint, Load, Material, Model, ModelWorkspace,
-    OperatingPoint, Problem, Reason, Solution, Status,
+    Ball, Conformities, Control, Coulomb, Direction, ElasticPoint, Load, Material, Materials,
+    Model, ModelWorkspace, OperatingPoint, Problem, Reason, Solution, Status,
     angles::Angles,
     model::{Auto, Elastic, RacewayControl, Rigid, Traction},
 };
@@ -29,9 +29,9 @@ fn extreme_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
         let (ball, size) = (log(0.05e-3, 0.1), log(0.01, 0.45));
         let (axial, speed, other) = (log(1e-6, 1e6), log(1e-4, 1e5), log(1e-4, 1e5));
         let friction = log(1e-6, 1.0);
-        let conformity = (0.5 + log(1e-3, 0.3), 0.5 + log(1e-3, 0.3));
+        let conformity = Conformities { nut: 0.5 + log(1e-3, 0.3), screw: 0.5 + log(1e-3, 0.3) };
         let mut steel = || Material { youngs_modulus: log(1e7, 1e12), poisson_ratio: 0.3 };
-        let material = (steel(), steel());
+        let material = Materials { raceways: steel(), ball: steel() };
         let mut flip = |x: f64| if rng.random_bool(0.5) { x } else { -x };
         let (speed, other) = (flip(speed), flip(other));
         let (screw_speed, nut_speed) = match rng.random_range(0..3) {
@@ -144,8 +144,8 @@ fn every_model_returns_within_the_time_limit_for_extreme_inputs() {
             &mut screw.point.helix.radius,
             &mut screw.point.ball.radius,
             &mut screw.point.ball.mass,
-            &mut screw.conformity.0,
-            &mut screw.material.0.youngs_modulus,
+            &mut screw.conformity.nut,
+            &mut screw.material.raceways.youngs_modulus,
             &mut screw.point.friction.0,
             &mut screw.point.drive.screw_speed,
             &mut screw.point.drive.nut_speed,
@@ -207,8 +207,8 @@ fn results_do_not_depend_on_units() {
             point.drive.screw_speed *= 2.0;
             point.drive.nut_speed *= 2.0;
             point.load.axial *= 128.0;
-            material.0.youngs_modulus *= 8.0;
-            material.1.youngs_modulus *= 8.0;
+            material.raceways.youngs_modulus *= 8.0;
+            material.ball.youngs_modulus *= 8.0;
         });
         let pairs = [
             (rigid(&screw), rigid(&other)),

@@ -3,7 +3,8 @@
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Problem,
+    Ball, Conformities, Coulomb, ElasticPoint, Load, Material, Materials, ModelWorkspace,
+    OperatingPoint, Problem,
     model::Traction,
     train::{TrainBall, TrainMotion},
 };
@@ -24,7 +25,11 @@ fn ball(screw_rpm: f64) -> ElasticPoint {
         drive: Drive { screw_speed: screw_rpm * PI / 30.0, nut_speed: 0.0 },
         load: Load { axial: 50.0, balls: 1.0 },
     };
-    ElasticPoint { point, conformity: (0.5203, 0.5203), material: (steel, steel) }
+    ElasticPoint {
+        point,
+        conformity: Conformities::alike(0.5203),
+        material: Materials::alike(steel),
+    }
 }
 
 /// Creates a ball in a ball train and solves it with the traction model.

@@ -3,7 +3,7 @@
 
 use std::sync::LazyLock;
 
-use bsm_dyn::internals::{Patch, lubricated_powers, power_of_many};
+use bsm_dyn::lanes::{Patch, lubricated_powers, power_of_many};
 use bsm_dyn::{
     hertz::Quadrature,
     lubrication::MixedFriction,

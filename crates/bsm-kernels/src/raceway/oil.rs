@@ -3,7 +3,7 @@
 //! contact.
 
 use bsm_case::InputKey;
-use bsm_dyn::internals::{BallOrbit, EhlPoint, EhlUnits, FilmLoss, ScaledFilm};
+use bsm_dyn::lanes::{BallOrbit, EhlPoint, EhlUnits, FilmLoss, ScaledFilm};
 use bsm_dyn::{
     hertz::Hertz,
     lubrication::{FilmState, Lubricant, OutsidePower, Temperature, ZERO_CELSIUS},

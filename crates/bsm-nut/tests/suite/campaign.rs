@@ -5,7 +5,7 @@ use crate::nuts;
 
 use std::f64::consts::{PI, TAU};
 
-use bsm_dyn::{Ball, Material};
+use bsm_dyn::{Ball, Conformities, Material, Materials};
 use bsm_kin::Helix;
 use bsm_nut::{
     BallInGrooves, BallNut, Bar, Circuit, Equilibrium, Errors, Flanks, Freedom, LeadError,
@@ -43,8 +43,11 @@ pub(crate) fn nut(rng: &mut impl Rng) -> BallNut {
         helix: Helix { radius: 0.5 * pitch, lead_angle: (lead / (PI * pitch)).atan() },
         ball: Ball::of_density(0.5 * ball, 7800.0),
         contact_angle: rng.random_range(25.0_f64..65.0).to_radians(),
-        conformity: (rng.random_range(0.51..0.57), rng.random_range(0.51..0.57)),
-        material: (steel, steel),
+        conformity: Conformities {
+            nut: rng.random_range(0.51..0.57),
+            screw: rng.random_range(0.51..0.57),
+        },
+        material: Materials::alike(steel),
         ..with_circuits(circuits)
     };
     let balls = nut.balls();
@@ -223,7 +226,7 @@ fn extreme_nut(rng: &mut impl Rng) -> BallNut {
         let least = if rng.random_bool(0.1) { 1e-6 } else { 1e-2 };
         0.5 + rng.log_uniform(least, 0.2)
     };
-    nut.conformity = (conformity(), conformity());
+    nut.conformity = Conformities { nut: conformity(), screw: conformity() };
     nut.contact_angle = rng.random_range(10.0_f64..80.0).to_radians();
     let size = nut.ball.radius;
     if rng.random_bool(0.4) {

@@ -5,7 +5,9 @@ use crate::nuts;
 use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
-use bsm_dyn::{Ball, Material, ModelWorkspace, Problem, model::RacewayControl};
+use bsm_dyn::{
+    Ball, Conformities, Material, Materials, ModelWorkspace, Problem, model::RacewayControl,
+};
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{
     BallNut, Bar, Circuit, Errors, FlankFriction, Flanks, Freedom, LeadError, NutError,
@@ -180,8 +182,8 @@ fn nut_with_zero_lead_matches_a_ball_bearing() {
         helix: Helix { radius: 21.75e-3, lead_angle: 0.0 },
         ball: Ball { radius, mass: 4.0 / 3.0 * PI * radius.powi(3) * 7800.0 },
         contact_angle: 0.0,
-        conformity: (0.53, 0.52),
-        material: (steel, steel),
+        conformity: Conformities { nut: 0.53, screw: 0.52 },
+        material: Materials::alike(steel),
         errors: Errors { gap, ..Errors::default() },
         ..with_circuits(vec![circuit(-180.0 / 7.0, 360.0, 7, Flanks::Plus)])
     };
@@ -257,8 +259,8 @@ fn cold_pair(x: bool) -> BallNut {
     let nut = BallNut {
         helix: Helix { radius: 0.5 * pitch, lead_angle: (lead / (PI * pitch)).atan() },
         ball: Ball::of_density(3.175e-3, 7800.0),
-        conformity: (0.53, 0.53),
-        material: (steel, steel),
+        conformity: Conformities::alike(0.53),
+        material: Materials::alike(steel),
         ..with_circuits(vec![of_body(0.0, 0, first), of_body(1440.0, 1, second)])
     };
     let force = if x { 2500.0 } else { -2500.0 };

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Ball, Material};
+use bsm_dyn::{Ball, Conformities, Material, Materials};
 use bsm_kin::Helix;
 use bsm_nut::{BallNut, Circuit, Errors};
 
@@ -15,8 +15,8 @@ pub(crate) fn with_circuits(circuits: Vec<Circuit>) -> BallNut {
         starts: 1,
         ball: Ball { radius, mass: 4.0 / 3.0 * PI * radius.powi(3) * 7800.0 },
         contact_angle: 45_f64.to_radians(),
-        conformity: (0.5203, 0.5203),
-        material: (STEEL, STEEL),
+        conformity: Conformities::alike(0.5203),
+        material: Materials::alike(STEEL),
         circuits,
         errors: Errors::default(),
         nut_bar: None,

@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Ball, Material};
+use bsm_dyn::{Ball, Conformities, Material, Materials};
 use bsm_kin::Helix;
 use bsm_nut::{
     BallNut, Bar, Circuit, Errors, Flanks, Freedom, LeadError, Ring, Support, TurnRatings,
@@ -70,11 +70,11 @@ pub(crate) fn nut(case: &Value) -> BallNut {
         starts: case.get("starts").map_or(1, |n| n.to_string().parse().expect("whole number")),
         ball: Ball { radius, mass: 4.0 / 3.0 * PI * radius.powi(3) * 7800.0 },
         contact_angle: number(case, "contact_angle_deg").expect("angle") * DEG,
-        conformity: (
-            number(case, "nut_conformity").expect("conformity"),
-            number(case, "screw_conformity").expect("conformity"),
-        ),
-        material: (steel, steel),
+        conformity: Conformities {
+            nut: number(case, "nut_conformity").expect("conformity"),
+            screw: number(case, "screw_conformity").expect("conformity"),
+        },
+        material: Materials::alike(steel),
         circuits: list("circuits").iter().map(circuit).collect(),
         errors,
         nut_bar: None,

@@ -4,7 +4,8 @@
 use std::f64::consts::PI;
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Problem,
+    Ball, Conformities, Coulomb, ElasticPoint, Load, Material, Materials, ModelWorkspace,
+    OperatingPoint, Problem,
     gothic::{
         ArchFit, AxialCondition, FLANKS, GothicBall, GothicPair, GothicState, GothicWorkspace,
     },
@@ -32,7 +33,7 @@ struct Scene {
     pitch: f64,
     lead: f64,
     angle: f64,
-    conformity: (f64, f64),
+    conformity: Conformities,
     friction: f64,
     density: f64,
     modulus: f64,
@@ -49,7 +50,10 @@ impl Scene {
             pitch: given("pitch_circle_diameter_mm"),
             lead: given("lead_mm"),
             angle: given("contact_angle_deg"),
-            conformity: (given("nut_conformity"), given("screw_conformity")),
+            conformity: Conformities {
+                nut: given("nut_conformity"),
+                screw: given("screw_conformity"),
+            },
             friction: given("friction_coefficient"),
             density: given("density_kg_m3"),
             modulus: given("youngs_modulus_GPa"),
@@ -71,7 +75,7 @@ impl Scene {
             pitch: 41.5,
             lead: 10.0,
             angle: 45.0,
-            conformity: (0.53, 0.53),
+            conformity: Conformities::alike(0.53),
             friction,
             density: 7800.0,
             modulus: 207.0,
@@ -96,7 +100,7 @@ impl Scene {
                 load: Load { axial, balls: 1.0 },
             },
             conformity: self.conformity,
-            material: (steel, steel),
+            material: Materials::alike(steel),
         }
     }
 
@@ -266,7 +270,10 @@ fn random_scene(rng: &mut ChaCha8Rng) -> (Scene, f64) {
         pitch,
         lead: pitch * PI * rng.random_range(2.0_f64..20.0).to_radians().tan(),
         angle: rng.random_range(38.0..55.0),
-        conformity: (rng.random_range(0.515..0.55), rng.random_range(0.515..0.55)),
+        conformity: Conformities {
+            nut: rng.random_range(0.515..0.55),
+            screw: rng.random_range(0.515..0.55),
+        },
         friction: rng.log_uniform(0.01, 0.2),
         density: 7800.0,
         modulus: 207.0,
@@ -519,7 +526,7 @@ fn ball_loads_without_friction_match_the_static_nut_model() {
             fit: ArchFit { oversize, ..ArchFit::default() },
             rpm: (1.0, 0.0),
             pitch: 41.336,
-            conformity: (0.5203, 0.5203),
+            conformity: Conformities::alike(0.5203),
             modulus: 206.0,
             ..Scene::from_study(1e-6, 0.0)
         };

@@ -58,7 +58,7 @@ pub(super) fn limit_warnings(
         warnings.push(Warning::advice(text));
     }
     for (name, conformity) in
-        [("nut_conformity", nut.conformity.0), ("screw_conformity", nut.conformity.1)]
+        [("nut_conformity", nut.conformity.nut), ("screw_conformity", nut.conformity.screw)]
     {
         if !limits.conformity.contains(conformity) {
             let Range { low, high } = limits.conformity;

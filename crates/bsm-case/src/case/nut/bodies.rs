@@ -28,7 +28,7 @@ pub(super) fn bodies(case: &Case, mut nut: BallNut, body: &NutBody) -> Result<Ba
     }
     let made = nut.screw_stiffness(twists);
     nut.screw_bar = bar(case, (keys, "screw_anchor", entries.screw_anchor), made, ends)?;
-    let youngs_modulus = nut.material.0.youngs_modulus;
+    let youngs_modulus = nut.material.raceways.youngs_modulus;
     nut.ring = (entries.ring_expansion == Some(true)).then(|| {
         let [_, inner] = nut.groove_diameters();
         Ring { outer_diameter: body.outer, inner_diameter: inner, youngs_modulus }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
-use bsm_dyn::{Ball, DrivenPart};
+use bsm_dyn::{Ball, Conformities, DrivenPart};
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{
     BallNut, Equilibrium, Errors, FlankFriction, NutError, PreloadKind, Support, TurnRatings,
@@ -421,10 +421,10 @@ fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
         starts: whole(case.number(InputKey::starts)),
         ball: Ball::of_density(radius, case.number(InputKey::density_kg_m3)),
         contact_angle: case.number(InputKey::contact_angle_deg) * DEG,
-        conformity: (
-            case.number(InputKey::nut_conformity),
-            case.number(InputKey::screw_conformity),
-        ),
+        conformity: Conformities {
+            nut: case.number(InputKey::nut_conformity),
+            screw: case.number(InputKey::screw_conformity),
+        },
         material: case.reader().materials(),
         circuits,
         errors,
@@ -457,7 +457,7 @@ fn strain(case: &Case, design: &Nut, thread: &Thread) -> Option<(f64, f64)> {
     let tension = case.screw_tension_N.filter(|tension| *tension != 0.0)?;
     let diameter = case.shaft_diameter_mm.map_or(thread.screw.core, |mm| mm * MM);
     let section = section_of_screw(case, diameter);
-    let strain = tension / (design.material.0.youngs_modulus * section);
+    let strain = tension / (design.material.raceways.youngs_modulus * section);
     Some((strain, case.value_or_default(InputKey::poisson_ratio)?))
 }
 

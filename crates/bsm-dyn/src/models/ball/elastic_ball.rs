@@ -16,8 +16,8 @@ use super::operating_point::{OperatingPoint, ScaledPoint};
 use super::sensitivity::Performance;
 use super::state::{BallState, Transmission};
 use crate::contact::{
-    Ball, Curvatures, Groove, Hertz, Jones, Material, Raceway, Wrench, axial_force,
-    contact_modulus, efficiency, newton_euler, torque,
+    Ball, Conformities, Curvatures, Groove, Hertz, Jones, Material, Materials, Raceway, Wrench,
+    axial_force, efficiency, newton_euler, torque,
 };
 use crate::ellipse::{
     Ellipse, Integrate, Patch, Placement, contact_motion, pressed_radius, slip_scale,
@@ -32,9 +32,9 @@ pub struct ElasticPoint<D = f64> {
     /// Geometry, friction, speeds and load.
     pub point: OperatingPoint<D>,
     /// Conformities of the nut and the screw: ratios of groove radius to ball diameter, above 1/2.
-    pub conformity: (D, D),
+    pub conformity: Conformities<D>,
     /// Elastic constants of the raceways and of the ball.
-    pub material: (Material<D>, Material<D>),
+    pub material: Materials<D>,
 }
 
 impl<D: Scalar> ElasticPoint<D> {
@@ -45,7 +45,7 @@ impl<D: Scalar> ElasticPoint<D> {
     /// Returns [`Reason::CurvaturesNotHertzian`] if a contact ellipse is not longer across the
     /// groove than along it.
     pub fn hertz(&self) -> Result<[Hertz<D>; 2], Reason> {
-        let modulus = contact_modulus(&self.material.0, &self.material.1);
+        let modulus = self.material.contact_modulus();
         Hertz::side_by_side(&self.curvatures(), modulus)
     }
 
@@ -76,7 +76,10 @@ impl<D: Scalar> ElasticPoint<D> {
         let ball = Ball { radius, mass: nominal.mass * ratio * ratio.square() };
         Self {
             point: OperatingPoint { contact_angle: sin.atan2(cos), ball, ..self.point },
-            conformity: (self.conformity.0 / ratio, self.conformity.1 / ratio),
+            conformity: Conformities {
+                nut: self.conformity.nut / ratio,
+                screw: self.conformity.screw / ratio,
+            },
             ..*self
         }
     }
@@ -89,15 +92,21 @@ impl<D: Scalar> ElasticPoint<D> {
         };
         ElasticPoint {
             point: self.point.values(),
-            conformity: (self.conformity.0.re(), self.conformity.1.re()),
-            material: (material(&self.material.0), material(&self.material.1)),
+            conformity: Conformities {
+                nut: self.conformity.nut.re(),
+                screw: self.conformity.screw.re(),
+            },
+            material: Materials {
+                raceways: material(&self.material.raceways),
+                ball: material(&self.material.ball),
+            },
         }
     }
 
     pub(crate) fn grooves(&self) -> [Groove<D>; 2] {
         [
-            Groove { member: Raceway::Nut, conformity: self.conformity.0 },
-            Groove { member: Raceway::Screw, conformity: self.conformity.1 },
+            Groove { member: Raceway::Nut, conformity: self.conformity.nut },
+            Groove { member: Raceway::Screw, conformity: self.conformity.screw },
         ]
     }
 
@@ -129,8 +138,8 @@ impl<D: Scalar> ElasticPoint<D> {
                 (a / r_b, b / r_b)
             }),
             pressed_radius: [
-                pressed_radius(self.conformity.0, one),
-                pressed_radius(self.conformity.1, one),
+                pressed_radius(self.conformity.nut, one),
+                pressed_radius(self.conformity.screw, one),
             ],
         };
         Ok(ElasticContacts {

@@ -12,7 +12,7 @@ use super::elastic_ball::{BallLoads, ElasticContacts, ElasticPoint, to_both};
 use super::state::{ControllingRaceway, SkidNumbers, SolveInfo};
 use crate::contact::{
     ContactFilm, Curvatures, FilmState, Hertz, Lubricant, MixedFriction, OilState, OutsidePower,
-    Roughness, Wrench, contact_modulus,
+    Roughness, Wrench,
 };
 use crate::ellipse::{Integrate, Placement, Rules, lubricated_friction};
 use crate::outcome::SolveFailure;
@@ -362,7 +362,7 @@ impl<P: Scalar> EhlPoint<P> {
             speed: length * relative * relative.re().signum(),
             length,
         };
-        let modulus = contact_modulus(&screw.material.0, &screw.material.1);
+        let modulus = screw.material.contact_modulus();
         Ok(Self::of(lubricant, temperature, (&screw.curvatures(), &hertz), modulus, units))
     }
 }
@@ -575,7 +575,7 @@ impl<D: Real> ScaledFilm<D> {
 
 /// Reusable buffers for solving lubricated models.
 #[derive(Default)]
-pub struct LubricatedWorkspace {
+pub(crate) struct LubricatedWorkspace {
     pub(crate) rules: Rules,
 }
 

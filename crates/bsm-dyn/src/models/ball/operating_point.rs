@@ -26,7 +26,7 @@ const MIN_FRICTION: f64 = 1e-12;
 ///
 /// * `inertia_ratio`: ratio of inertia force to axial load, `$\mu = m r_m W^2/F_a$`.
 #[inline(always)]
-pub fn is_in_range<F: Real>(friction: F, inertia_ratio: F) -> F::Mask {
+pub(crate) fn is_in_range<F: Real>(friction: F, inertia_ratio: F) -> F::Mask {
     is_friction_in_range(friction) & is_inertia_in_range(inertia_ratio)
 }
 

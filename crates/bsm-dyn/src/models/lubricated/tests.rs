@@ -8,8 +8,8 @@ use bsm_kin::{Drive, Helix};
 
 use super::*;
 use crate::{
-    Ball, Coulomb, ElasticPoint, Load, Material, Model, ModelWorkspace, OperatingPoint,
-    SteadyState,
+    Ball, Conformities, Coulomb, ElasticPoint, Load, Material, Materials, Model, ModelWorkspace,
+    OperatingPoint, SteadyState,
     lubrication::{BaseOil, Losses, Lubricant, Oil, Roughness, Temperature},
     model::{RacewayControl, Traction},
 };
@@ -28,8 +28,8 @@ fn feed_drive(rpm: f64, axial: f64) -> ElasticPoint {
             drive: Drive { screw_speed: rpm * PI / 30.0, nut_speed: 0.0 },
             load: Load { axial, balls: 70.0 },
         },
-        conformity: (0.53, 0.53),
-        material: (STEEL, STEEL),
+        conformity: Conformities::alike(0.53),
+        material: Materials::alike(STEEL),
     }
 }
 
@@ -353,7 +353,7 @@ fn random_typical_point(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lub
             load: Load { axial: per_ball * 50.0, balls: 50.0 },
             ..feed_drive(1.0, 1.0).point
         },
-        conformity: (conformity, conformity),
+        conformity: Conformities::alike(conformity),
         ..feed_drive(1.0, 1.0)
     };
     let coarse = part(0.05e-6, 0.5e-6);

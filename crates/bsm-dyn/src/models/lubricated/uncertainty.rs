@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/17-lubricant.md`, section "Uncertainty".
 
 use super::solve::{LubricatedBall, LubricatedModel, RacewayFriction};
-use crate::contact::{Oil, Roughness, Temperature};
+use crate::contact::{Conformities, Oil, Roughness, Temperature};
 use crate::models::ball::{Direction, Model, SlipRegime, SteadyState, weyl_point};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::Traction;
@@ -103,9 +103,9 @@ impl LubricatedBall {
         let factor = |i| draw(i).unwrap_or(1.0);
         let offset = |i| draw(i).unwrap_or(0.0);
         let mut screw = *self.screw();
-        let (nut, groove) = screw.conformity;
         let least = |conformity: f64| (conformity + offset(11)).max(0.5 + 0.5 * (conformity - 0.5));
-        screw.conformity = (least(nut), least(groove));
+        screw.conformity =
+            Conformities { nut: least(screw.conformity.nut), screw: least(screw.conformity.screw) };
         let mut lubricant = self.lubricant;
         let kelvin = kelvin + offset(10);
         lubricant.temperature = Temperature::Known(kelvin);

@@ -16,7 +16,7 @@ use bsm_kin::{Real, RealOver};
 /// * The last argument contains the sines and cosines of the contact angles at the nut and the
 ///   screw.
 #[inline(always)]
-pub fn rolling<F: Real>(
+pub(crate) fn rolling<F: Real>(
     by_nut: F::Mask,
     lead: (F, F),
     arc: F,

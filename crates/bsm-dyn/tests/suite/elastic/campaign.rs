@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Model, ModelWorkspace, Reason, Solution, Status,
+    Ball, Conformities, Coulomb, ElasticPoint, Model, ModelWorkspace, Reason, Solution, Status,
     model::{Auto, Elastic, ElasticWorkspace, MAX_ROLLING_ONSET, Traction, TractionWorkspace},
 };
 
@@ -141,7 +141,7 @@ fn error_bound_of_a_skidding_ball_includes_the_effect_of_spin() {
         at.point.friction = Coulomb(friction);
         at.point.drive.nut_speed = of_nut * PI / 30.0;
         at.point.load.balls = balls;
-        at.conformity = (nut, screw);
+        at.conformity = Conformities { nut, screw };
         let exact = Traction { screw: at, accuracy: 1e-10, creep: 1e-5 }.solve(&mut fine);
         let exact = exact.efficiency().expect("converged");
         let chosen = Auto { screw: at, tolerance: 1e-2 }.solve(&mut work);

@@ -3,7 +3,8 @@
 use super::screws::{inertia_ratio, lin, real_screws, with};
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Model, ModelWorkspace, Reason, Solution, Status, SteadyState,
+    Ball, Conformities, Coulomb, ElasticPoint, Materials, Model, ModelWorkspace, Reason, Solution,
+    Status, SteadyState,
     model::{
         Auto, Elastic, ElasticWorkspace, RacewayControl, RacewayWorkspace, Traction,
         TractionWorkspace,
@@ -234,7 +235,7 @@ fn a_ball_under_very_small_load_slides() {
 #[test]
 fn a_very_soft_screw_has_no_solution() {
     let soft = bsm_dyn::Material { youngs_modulus: 1e7, poisson_ratio: 0.3 };
-    let screw = ElasticPoint { material: (soft, soft), ..lin(10.0, 45.0, 2000.0, 1e6) };
+    let screw = ElasticPoint { material: Materials::alike(soft), ..lin(10.0, 45.0, 2000.0, 1e6) };
     let solution = Elastic { screw }.solve(&mut ElasticWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
     assert!(matches!(solution.reason(), Some(Reason::SlipAlongFriction { .. })), "{solution:?}");
@@ -274,7 +275,7 @@ fn root_beyond_the_flank_is_not_a_solution() {
 fn power_balance_holds_at_low_speed_with_saturated_friction() {
     for rpm in [300.0, 30.0, 3.0] {
         let screw = with_friction(0.15, lin(1.1, 55.0, rpm, 3000.0));
-        let screw = ElasticPoint { conformity: (0.52, 0.56), ..screw };
+        let screw = ElasticPoint { conformity: Conformities { nut: 0.52, screw: 0.56 }, ..screw };
         let balance = solve_elastic(screw).transmission.power_balance.expect("a balance of forces");
         assert!(balance.abs() <= 1e-9, "{rpm} rpm: {balance}");
     }

@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Ball, Coulomb, ElasticPoint, Load, Material, OperatingPoint};
+use bsm_dyn::{
+    Ball, Conformities, Coulomb, ElasticPoint, Load, Material, Materials, OperatingPoint,
+};
 use bsm_kin::{Drive, Helix};
 use bsm_sample::Sample;
 use rand::{RngExt, SeedableRng};
@@ -21,8 +23,8 @@ pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> Elas
             drive: Drive { screw_speed: rpm * PI / 30.0, nut_speed: 0.0 },
             load: Load { axial, balls: 1.0 },
         },
-        conformity: (0.53, 0.53),
-        material: (STEEL, STEEL),
+        conformity: Conformities::alike(0.53),
+        material: Materials::alike(STEEL),
     }
 }
 
@@ -82,8 +84,11 @@ fn random_screws(seed: u64, ranges: Ranges) -> impl Iterator<Item = ElasticPoint
                 drive: Drive { screw_speed, nut_speed },
                 load: Load { axial: 1.0, balls: 1.0 },
             },
-            conformity: (rng.random_range(0.51..0.56), rng.random_range(0.51..0.56)),
-            material: (STEEL, STEEL),
+            conformity: Conformities {
+                nut: rng.random_range(0.51..0.56),
+                screw: rng.random_range(0.51..0.56),
+            },
+            material: Materials::alike(STEEL),
         };
         let pressure = rng.log_uniform(0.2e9, 5e9);
         let of_one_newton = screw.hertz().expect("an ellipse")[0].max_pressure(1.0);

@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use super::*;
 use crate::extreme::random_extreme_screw;
 use crate::models::ball::ElasticPoint;
-use crate::{Ball, Coulomb, Load, Material, OperatingPoint};
+use crate::{Ball, Conformities, Coulomb, Load, Material, Materials, OperatingPoint};
 
 /// Number of contact angles in the dense search.
 const GRID: usize = 1500;
@@ -39,8 +39,8 @@ fn random_screws() -> impl Strategy<Value = ElasticPoint> {
                 drive: Drive { screw_speed: (1.0 + nut) * speed, nut_speed: nut * speed },
                 load: Load { axial, balls: 1.0 },
             },
-            conformity: (f_n, f_s),
-            material: (material, material),
+            conformity: Conformities { nut: f_n, screw: f_s },
+            material: Materials::alike(material),
         }
     })
 }
