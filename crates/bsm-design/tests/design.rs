@@ -3,11 +3,14 @@
 
 use std::f64::consts::PI;
 
+use bsm_design::drive::MachineTable;
+use bsm_design::life::{RatingFactors, RequiredLife};
+use bsm_design::motion::{DutySpeed, PhasePoint, ProfileSegment};
+use bsm_design::shaft::{BUCKLING_SAFETY, Bore, CRITICAL_SPEED_RATIO, EndFixity};
 use bsm_design::{
-    ActiveLimit, BUCKLING_SAFETY, BindingLimit, Bore, Bounds, CRITICAL_SPEED_RATIO, Design,
-    DesignQuantity, DutySpeed, EndFixity, FixedValues, Infeasibility, LoadCase, MachineTable, Make,
-    MotorLimit, Mount, Nut, Objective, Outcome, PhasePoint, Pitch, PreloadMethod, ProfileSegment,
-    Range, Ranges, RatingFactors, Rejection, RequiredLife, Requirement, Travel,
+    ActiveLimit, BindingLimit, Bounds, Design, DesignQuantity, FixedValues, Infeasibility,
+    LoadCase, Make, MotorLimit, Mount, Nut, Objective, Outcome, Pitch, PreloadMethod, Range,
+    Ranges, Rejection, Requirement, Travel,
 };
 use bsm_dyn::{Direction, DrivenPart, Material, angles::Angles};
 

@@ -3,10 +3,9 @@
 
 use std::borrow::Cow;
 
-use bsm_design::{
-    Contamination, EndFixity, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod,
-    RatingBasis, StiffnessAt,
-};
+use bsm_design::life::{Contamination, RatingBasis};
+use bsm_design::shaft::EndFixity;
+use bsm_design::{Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod, StiffnessAt};
 use bsm_dyn::{DrivenPart, lubrication::BaseOil};
 use bsm_nut::Flanks;
 use bsm_nut::thermal::Coolant;

@@ -7,9 +7,9 @@ use std::f64::consts::{PI, TAU};
 use approx::assert_relative_eq;
 use bsm_dyn::{Ball, Material, ModelWorkspace, Problem, model::RacewayControl};
 use bsm_kin::{Drive, Helix};
+use bsm_nut::friction::FlankFriction;
 use bsm_nut::{
-    BallNut, Bar, Circuit, Errors, FlankFriction, Flanks, Freedom, LeadError, NutError,
-    PreloadKind, Ring, Support,
+    BallNut, Bar, Circuit, Errors, Flanks, Freedom, LeadError, NutError, PreloadKind, Ring, Support,
 };
 use nuts::with_circuits;
 use proptest::prelude::*;
