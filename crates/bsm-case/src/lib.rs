@@ -60,7 +60,8 @@ pub use answers::selection::{
 pub use answers::sensitivity::{Sensitivities, Sensitivity};
 pub use answers::slip::slip;
 pub use answers::warm::{WarmBranch, WarmPoint};
-pub use bsm_design::{Band, DRAWS, FEW_DRAWS};
+pub use bsm_design::groove::{DRAWS, FEW_DRAWS};
+pub use bsm_design::statistics::Band;
 pub use case::catalog::{Catalog, LISTS, STANDARD_CATALOG};
 pub use case::grid::{AxisValues, Grid, GridAxis};
 pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, column_names};

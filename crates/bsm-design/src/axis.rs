@@ -7,10 +7,10 @@ use std::f64::consts::TAU;
 
 use bsm_dyn::DrivenPart;
 
-use crate::{
-    Bore, BucklingSection, Duty, EndFixity, Life, PERMITTED_STRESS, Phase, PhasePoint, Screw,
-    Shaft, life, life_factor, modified_life, pair_loads, viscosity_ratio,
-};
+use crate::Screw;
+use crate::life::{Duty, Life, life, life_factor, modified_life, pair_loads, viscosity_ratio};
+use crate::motion::{Phase, PhasePoint};
+use crate::shaft::{Bore, BucklingSection, EndFixity, PERMITTED_STRESS, Shaft};
 
 /// Default overrun of the thread at each end, beyond the stroke and the nut, as a multiple of the
 /// lead.

@@ -2,6 +2,10 @@
 //! nut, generates a catalog of all nuts with standard sizes, selects a screw that meets a
 //! requirement, checks the design rules of an axis, and estimates the groove from a catalog row.
 //!
+//! The types of a nut, its screw and its axis, and the types of a selection are at the root of the
+//! crate. The modules contain the parts of a calculation: [`drive`], [`motion`], [`life`], [`shaft`],
+//! [`groove`], [`catalog`], [`search`] and [`statistics`].
+//!
 //! Theory: `docs/theory/11-ratings.md`, `15-design.md`, `18-axis.md` and
 //! `21-groove-from-ratings.md`.
 //!
@@ -32,15 +36,15 @@
 mod axis;
 mod body;
 mod bounds;
-mod catalog;
-mod drive;
+pub mod catalog;
+pub mod drive;
 mod grade;
-mod groove_estimate;
+pub mod groove;
 mod least_squares;
-mod life;
+pub mod life;
 mod make;
 mod modified;
-mod motion;
+pub mod motion;
 mod nut;
 mod preload;
 mod procedure;
@@ -48,40 +52,17 @@ mod requirement;
 mod runs;
 mod screw;
 pub mod search;
-mod shaft;
+pub mod shaft;
 mod standard;
-mod statistics;
+pub mod statistics;
 mod stiffness;
 mod thread;
 
 pub use axis::{Axis, Mount};
 pub use body::{NutBody, NutSet};
 pub use bounds::{Bounds, Range};
-pub use catalog::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
-pub use drive::{
-    BRAKE_SAFETY, BackDrivenScrew, BackDriving, DriveTrain, MachineTable, MotorCurve, MotorPoint,
-    drag_torque, least_acceleration_time, rod_inertia, rod_mass_per_length, stopping_distance,
-};
 pub use grade::Grade;
-pub use groove_estimate::{
-    BallProbability, BallReturn, Band, CatalogLine, CatalogMistake, DRAWS, EstimatedGroove,
-    FEW_DRAWS, GrooveEstimate, Hypothesis, KnownGroove, MIN_EVIDENCE, Prior, RejectedRow,
-    UNUSUAL_EVIDENCE, on_all_cores, quasi_random_besides_groove,
-};
-pub use least_squares::{LeastSquares, least_squares};
-pub use life::{
-    Duty, Life, RatingBasis, RequiredLife, UNLOADING_RATIO, life, modified_life, pair_loads,
-    reliability_factor,
-};
 pub use make::Make;
-pub use modified::{
-    Contamination, Hardness, RatingFactors, life_factor, usual_fatigue_limit, viscosity_ratio,
-    viscosity_ratio_by_film,
-};
-pub use motion::{
-    CycleTravel, DutySpeed, Move, Phase, PhaseMeans, PhasePoint, ProfileSegment, phases,
-    speed_jumps,
-};
 pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use preload::{PRELOAD_CLASSES, PreloadClass, PreloadMethod, PreloadSize, least_preload};
 pub use procedure::{ActiveLimit, BindingLimit, Infeasibility, Outcome, RejectedDesigns};
@@ -89,13 +70,7 @@ pub use requirement::{
     AcceptedBy, Check, Design, DesignQuantity, EfficiencyOf, FixedValues, LoadCase, MotorLimit,
     Objective, Pitch, Ranges, Rejection, Requirement, Travel,
 };
-pub use runs::SignRuns;
 pub use screw::{Efficiency, Screw, StiffnessAt};
-pub use shaft::{
-    BUCKLING_SAFETY, Bore, BucklingSection, CRITICAL_SPEED_RATIO, EndFixity, PERMITTED_STRESS,
-    Shaft, lost_motion, natural_frequency, steady_rise, warming_time,
-};
-pub use statistics::quantile;
 pub use stiffness::{Elasticity, in_series};
 pub use thread::{Profile, Thread};
 

@@ -1,6 +1,12 @@
-//! Life of a nut under varying loads.
+//! Life of a nut under varying loads, and its modification for hardness, accuracy, lubrication and
+//! contamination.
 
 use std::f64::consts::TAU;
+
+pub use crate::modified::{
+    Contamination, Hardness, RatingFactors, life_factor, usual_fatigue_limit, viscosity_ratio,
+    viscosity_ratio_by_film,
+};
 
 /// Ratio of load to preload at which the relieved nut of a pair loses contact, `$2^{3/2}$` (D14).
 pub const UNLOADING_RATIO: f64 = 2.0 * std::f64::consts::SQRT_2;

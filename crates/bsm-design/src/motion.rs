@@ -8,7 +8,8 @@ use std::num::NonZeroUsize;
 use bsm_newton::Bracket;
 use gauss_quad::GaussLegendre;
 
-use crate::{DriveTrain, Duty, MachineTable, UNLOADING_RATIO};
+use crate::drive::{DriveTrain, MachineTable};
+use crate::life::{Duty, UNLOADING_RATIO};
 
 /// Relative tolerance for the shortest duration of a move. It allows for rounding errors of decimal
 /// inputs.

@@ -1,7 +1,7 @@
 //! Amount of preload, which is specified as a force, derived from the load, or given by a
 //! manufacturer's preload class.
 
-use crate::UNLOADING_RATIO;
+use crate::life::UNLOADING_RATIO;
 
 /// Amount of preload that a case requests.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,10 +4,13 @@ use std::f64::consts::{PI, TAU};
 
 use bsm_dyn::{Direction, DrivenPart, Materials, angles::Optimum, hertz::Hertz};
 
+use crate::catalog::{Candidate, Size};
+use crate::drive::MachineTable;
+use crate::life::{Life, RatingFactors, RequiredLife};
+use crate::motion::{DutySpeed, Phase, PhasePoint, ProfileSegment, phases};
 use crate::{
-    Axis, Bounds, Candidate, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody,
-    NutSet, Phase, PhasePoint, PreloadMethod, PreloadSize, ProfileSegment, Range, RatingFactors,
-    RequiredLife, Size, Thread, phases,
+    Axis, Bounds, Grade, Make, Mount, Nut, NutBody, NutSet, PreloadMethod, PreloadSize, Range,
+    Thread,
 };
 
 /// Default upper limit of the number of loaded turns.

@@ -4,10 +4,11 @@ use std::cmp::Ordering::Equal;
 
 use rayon::prelude::*;
 
+use crate::catalog::{Limits, Lists, OfferedSize};
 use crate::procedure::{Selection, first_accepted};
 use crate::{
     AcceptedBy, ActiveLimit, BindingLimit, Check, Design, EfficiencyOf, FixedValues, Infeasibility,
-    Limits, Lists, OfferedSize, Outcome, Pitch, RejectedDesigns, Requirement,
+    Outcome, Pitch, RejectedDesigns, Requirement,
 };
 
 /// Maximum number of designs whose efficiency is calculated to find out whether a limit affects the

@@ -1,8 +1,11 @@
-//! Normal distributions and quantiles.
+//! Quantiles and intervals of results, least squares, and the runs test for residuals.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 use bsm_newton::Bracket;
+
+pub use crate::least_squares::{LeastSquares, least_squares};
+pub use crate::runs::SignRuns;
 
 /// A normal distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,6 +70,25 @@ pub fn quantile(sorted: &[f64], probability: f64) -> f64 {
     let share = place.fract();
     let at = |place: usize| sorted.get(place).or(sorted.last()).copied().unwrap_or(f64::NAN);
     at(low) * (1.0 - share) + at(low + 1) * share
+}
+
+/// Interval that contains 90 % of the values of a result.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Lower end of the band (5 % quantile).
+    pub low: f64,
+    /// Upper end of the band (95 % quantile).
+    pub high: f64,
+}
+
+impl Band {
+    /// Returns the band of the given values, or `None` if there are no values.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut sorted: Vec<f64> = values.into_iter().collect();
+        sorted.sort_by(f64::total_cmp);
+        let at = |probability: f64| quantile(&sorted, probability);
+        (!sorted.is_empty()).then(|| Self { low: at(0.05), high: at(0.95) })
+    }
 }
 
 #[cfg(test)]

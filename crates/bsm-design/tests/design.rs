@@ -3,11 +3,14 @@
 
 use std::f64::consts::PI;
 
+use bsm_design::drive::MachineTable;
+use bsm_design::life::{RatingFactors, RequiredLife};
+use bsm_design::motion::{DutySpeed, PhasePoint, ProfileSegment};
+use bsm_design::shaft::{BUCKLING_SAFETY, Bore, CRITICAL_SPEED_RATIO, EndFixity};
 use bsm_design::{
-    ActiveLimit, BUCKLING_SAFETY, BindingLimit, Bore, Bounds, CRITICAL_SPEED_RATIO, Design,
-    DesignQuantity, DutySpeed, EndFixity, FixedValues, Infeasibility, LoadCase, MachineTable, Make,
-    MotorLimit, Mount, Nut, Objective, Outcome, PhasePoint, Pitch, PreloadMethod, ProfileSegment,
-    Range, Ranges, RatingFactors, Rejection, RequiredLife, Requirement, Travel,
+    ActiveLimit, BindingLimit, Bounds, Design, DesignQuantity, FixedValues, Infeasibility,
+    LoadCase, Make, MotorLimit, Mount, Nut, Objective, Outcome, Pitch, PreloadMethod, Range,
+    Ranges, Rejection, Requirement, Travel,
 };
 use bsm_dyn::{Conformities, Direction, DrivenPart, Material, Materials, angles::Angles};
 
@@ -230,6 +233,60 @@ fn screw_with_a_rating_below_the_load_is_rejected() {
     );
     let (design, _) = best_design(&under(2e3));
     assert!(design.value(DesignQuantity::DynamicRating) > 2e3, "{design:?}");
+}
+
+/// If the rules of no design can be calculated, no screw is found, and the result contains the
+/// reason for every design. If the rules of a single design cannot be calculated, the next design is
+/// selected.
+#[test]
+fn designs_that_cannot_be_calculated_are_rejected_with_their_reason() {
+    let fixed = FixedValues {
+        pitch_diameter: Some(40e-3),
+        ball: Some(6.35e-3),
+        contact_angle: Some(PI / 4.0),
+        conformity: Some(0.52),
+        ..FixedValues::default()
+    };
+    let requirement = Requirement { fixed, life: Some(RequiredLife::Time(3.6e6)), ..feed_drive() };
+    let reject = |_: &Design| Err(Rejection::NotCalculated("the stroke is missing".to_owned()));
+    let Outcome::Infeasible { blocking, rejected, .. } = requirement.choose(&efficiency, &reject)
+    else {
+        panic!("no design is accepted")
+    };
+    assert!(blocking.is_empty() && rejected.failed_rules.is_empty(), "{blocking:?} {rejected:?}");
+    let all = rejected.not_calculated;
+    assert!(all.len() > 1 && all.iter().all(|why| why == "the stroke is missing"), "{all:?}");
+
+    let (best, _) = best_design(&requirement);
+    let reject_best = |design: &Design| {
+        if design.nut == best.nut { reject(design) } else { accept_every_nut(design) }
+    };
+    let Outcome::Found { design, rejected, .. } = requirement.choose(&efficiency, &reject_best)
+    else {
+        panic!("other numbers of turns are feasible")
+    };
+    assert!(design.nut.turns > best.nut.turns, "{design:?}");
+    assert_eq!(rejected.not_calculated.len(), 1);
+}
+
+/// The unsupported length of a screw with a given length defaults to this length, without overruns.
+#[test]
+fn screw_with_a_given_length_has_no_overruns() {
+    let by_length = Requirement { travel: Travel::Screw(0.9), ..feed_drive() };
+    let mount = Mount { length: Some(0.9), ..by_length.mount };
+    let with_unsupported_length = Requirement { mount, ..by_length.clone() };
+    let nut = nut(40e-3, 6.35e-3, 15.0, 4.0, PI / 4.0, 0.52);
+    let [one, other] =
+        [by_length, with_unsupported_length].map(|requirement| Design::of(&requirement, nut, None));
+    for quantity in [
+        DesignQuantity::UnsupportedLength,
+        DesignQuantity::CriticalSpeedRatio,
+        DesignQuantity::BucklingSafety,
+        DesignQuantity::Inertia,
+    ] {
+        let [one, other] = [&one, &other].map(|design| design.value(quantity));
+        assert!(one.is_finite() && one.to_bits() == other.to_bits(), "{quantity:?}: {one} {other}");
+    }
 }
 
 /// A screw whose contact ellipse extends beyond the land is rejected. With balls of 3.175 mm, the

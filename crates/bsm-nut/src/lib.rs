@@ -4,7 +4,9 @@
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U1) to (U35).
 //!
-//! Theory of the warm state: `docs/theory/19-warm-state.md`, implemented in the module [`thermal`].
+//! The modules [`friction`], [`train`] and [`thermal`] calculate friction, ball trains and the warm
+//! state. Theory of ball trains: `docs/theory/20-ball-train.md`. Theory of the warm state:
+//! `docs/theory/19-warm-state.md`.
 //!
 //! A [`BallNut`] describes the geometry: circuits of balls on the helix, elastic bodies and
 //! manufacturing errors. [`BallNut::solve`] calculates the equilibrium for a [`Support`], which
@@ -51,7 +53,7 @@ mod assembly;
 mod ball;
 mod bodies;
 mod equilibrium;
-mod friction;
+pub mod friction;
 mod geometry;
 mod interpolation;
 mod life;
@@ -60,17 +62,12 @@ mod search;
 mod sharing;
 mod stiffness;
 pub mod thermal;
-mod train;
+pub mod train;
 
 pub use ball::{BallInGrooves, Flanks, FourContacts};
 pub use bodies::{Bar, Ring};
 pub use equilibrium::{Equilibrium, Freedom, NutError, Support};
-pub use friction::{BallModel, FlankFriction, FreeMotion, FrictionSum, NutFriction, ThirdContacts};
 pub use geometry::{BallNut, BallPosition, Circuit, Errors, LeadError};
 pub use life::TurnRatings;
 pub use preload::PreloadKind;
 pub use sharing::EqualShare;
-pub use train::{
-    Advance, BallAdvance, BallOfTrain, CircuitAdvance, CircuitTrain, Exit, ExitPush,
-    MAX_PUSH_RATIO, Rolling, Train, TrainError, TrainInputs,
-};

@@ -14,8 +14,9 @@ use bsm_dyn::{
 use bsm_kin::Drive;
 use bsm_newton::{Bracket, FunctionValue};
 
+use crate::friction::FreeMotion;
 use crate::geometry::count;
-use crate::{BallNut, Equilibrium, FreeMotion};
+use crate::{BallNut, Equilibrium};
 
 /// Largest ratio of push force to ball load at which the influence of push forces on ball loads and
 /// contact angles is still neglected.
@@ -301,7 +302,7 @@ impl BallNut {
     /// ball has no steady motion.
     ///
     /// * `motions`: motion of each ball without push forces, from
-    ///   [`NutFriction`](crate::NutFriction).
+    ///   [`NutFriction`](crate::friction::NutFriction).
     /// * `spacer`: thickness of the spacers between balls \[m\].
     pub fn advance(
         &self,
@@ -362,7 +363,7 @@ impl BallNut {
     /// (O8) to (O16).
     ///
     /// * `motions`: motion of each ball without push forces, from
-    ///   [`NutFriction`](crate::NutFriction).
+    ///   [`NutFriction`](crate::friction::NutFriction).
     /// * `friction`: friction coefficient at the raceways; `None` if another friction law applies.
     /// * `in_train`: function that returns the model of a ball under push forces. Its arguments are
     ///   an operating point and the state of the ball without push forces.

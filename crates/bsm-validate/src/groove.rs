@@ -7,10 +7,12 @@ use std::f64::consts::TAU;
 
 use bsm_case::Settings;
 use bsm_case::units::{MM, RPM, UM};
-use bsm_design::{
-    BallProbability, BallReturn, Band, CatalogLine, DRAWS, EstimatedGroove, GrooveEstimate,
-    KnownGroove, NutBody, NutSet, Prior, quantile,
+use bsm_design::groove::{
+    BallProbability, BallReturn, CatalogLine, DRAWS, EstimatedGroove, GrooveEstimate, KnownGroove,
+    Prior,
 };
+use bsm_design::statistics::{Band, quantile};
+use bsm_design::{NutBody, NutSet};
 use bsm_dyn::model::Auto;
 use bsm_dyn::{
     Ball, Conformities, Coulomb, ElasticPoint, Load, Material, Materials, ModelWorkspace,

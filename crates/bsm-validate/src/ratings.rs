@@ -3,7 +3,8 @@
 use std::f64::consts::FRAC_PI_4;
 
 use bsm_case::units::{MM, UM};
-use bsm_design::{BALL_GAP, Nut, NutBody, NutSet, PRELOAD, ROLLING_LEVER, Thread, loaded_balls};
+use bsm_design::catalog::{BALL_GAP, loaded_balls};
+use bsm_design::{Nut, NutBody, NutSet, PRELOAD, ROLLING_LEVER, Thread};
 use bsm_dyn::{Conformities, Material, Materials};
 use serde::Deserialize;
 

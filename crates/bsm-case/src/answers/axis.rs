@@ -12,7 +12,10 @@ mod state;
 mod sufficiency;
 mod torques;
 
-use bsm_design::{Axis, Band, Bounds, FEW_DRAWS, Nut, in_series, warming_time};
+use bsm_design::groove::FEW_DRAWS;
+use bsm_design::shaft::warming_time;
+use bsm_design::statistics::Band;
+use bsm_design::{Axis, Bounds, Nut, in_series};
 use bsm_dyn::ModelWorkspace;
 use serde_json::json;
 

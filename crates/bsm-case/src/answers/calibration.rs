@@ -4,8 +4,10 @@
 
 use std::cmp::Ordering;
 
+use bsm_design::Range;
+use bsm_design::groove::FEW_DRAWS;
 use bsm_design::search::grid_point;
-use bsm_design::{FEW_DRAWS, LeastSquares, Range, SignRuns, least_squares};
+use bsm_design::statistics::{LeastSquares, SignRuns, least_squares};
 use bsm_dyn::ModelWorkspace;
 use thiserror::Error;
 

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::time::Instant;
 
-use bsm_design::FEW_DRAWS;
+use bsm_design::groove::FEW_DRAWS;
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Serialize;

@@ -2,9 +2,11 @@
 
 use std::cell::RefCell;
 
+use bsm_design::catalog::Candidate;
+use bsm_design::motion::PhasePoint;
 use bsm_design::{
-    ActiveLimit, BindingLimit, Bounds, Candidate, Check, Design, DesignQuantity, Infeasibility,
-    LoadCase, Nut, Outcome, PhasePoint, Pitch, Rejection, Requirement,
+    ActiveLimit, BindingLimit, Bounds, Check, Design, DesignQuantity, Infeasibility, LoadCase, Nut,
+    Outcome, Pitch, Rejection, Requirement,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 

@@ -3,8 +3,10 @@
 
 use std::cell::RefCell;
 
+use bsm_design::Range;
+use bsm_design::groove::FEW_DRAWS;
 use bsm_design::search::{SignChange, sign_changes};
-use bsm_design::{Band, FEW_DRAWS, Range};
+use bsm_design::statistics::Band;
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use schemars::JsonSchema;
 use serde::Serialize;

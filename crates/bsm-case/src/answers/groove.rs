@@ -3,7 +3,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use bsm_design::{Band, EstimatedGroove, GrooveEstimate, Hypothesis, NutBody, NutSet, StiffnessAt};
+use bsm_design::groove::{EstimatedGroove, GrooveEstimate, Hypothesis};
+use bsm_design::statistics::Band;
+use bsm_design::{NutBody, NutSet, StiffnessAt};
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -46,7 +48,7 @@ impl Case {
     /// Returns cases with possible grooves, which represent the uncertainty of an estimated groove.
     /// The list is empty if the groove is given.
     ///
-    /// * `count`: number of grooves, at most [`DRAWS`](bsm_design::DRAWS).
+    /// * `count`: number of grooves, at most [`DRAWS`](bsm_design::groove::DRAWS).
     pub fn possible_cases(&self, count: usize) -> Vec<Self> {
         let Some((line, estimate)) = self.estimate() else { return Vec::new() };
         let draws = estimate.draws(self.draws(count));
@@ -647,7 +649,7 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     let estimated: Vec<_> = estimated.map(|name| name.0).collect();
     let is_estimated = |key| estimated.contains(&key);
     let length = case.display_units().of("mm");
-    let draws = estimate.draws(bsm_design::DRAWS);
+    let draws = estimate.draws(bsm_design::groove::DRAWS);
     let ends = |key: InputKey| {
         let read = |groove: &EstimatedGroove| match key {
             InputKey::nut_conformity => groove.conformity.nut,

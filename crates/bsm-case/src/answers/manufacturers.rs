@@ -3,7 +3,9 @@
 
 use std::f64::consts::PI;
 
-use bsm_design::{Band, FEW_DRAWS, Nut, StiffnessAt};
+use bsm_design::groove::FEW_DRAWS;
+use bsm_design::statistics::Band;
+use bsm_design::{Nut, StiffnessAt};
 use serde_json::{Map, Value, json};
 
 use super::groove::pair;
@@ -359,7 +361,7 @@ impl ManufacturerRow {
             row.numbers.splice(0..0, inputs.iter().map(input));
             Ok(row)
         };
-        let rows = bsm_design::on_all_cores(nuts, row);
+        let rows = bsm_design::groove::on_all_cores(nuts, row);
         let mut rows = rows.into_iter().collect::<Result<Vec<_>, _>>()?;
         Self::compare(&mut rows);
         let mass = |row: &Self| {
@@ -542,7 +544,7 @@ impl ManufacturerRow {
             [-rating.unwrap_or(0.0), -stiffness.unwrap_or(0.0), mass.unwrap_or(f64::INFINITY)]
         };
         let costs: Vec<_> = places.iter().map(costs).collect();
-        bsm_design::front(&costs).into_iter().map(|place| places[place]).collect()
+        bsm_design::catalog::front(&costs).into_iter().map(|place| places[place]).collect()
     }
 
     /// Columns that contain text, with their meaning.

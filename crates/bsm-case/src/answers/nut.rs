@@ -4,16 +4,20 @@
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
-use bsm_design::{Duty, FEW_DRAWS, drag_torque, in_series, life};
+use bsm_design::drive::drag_torque;
+use bsm_design::groove::FEW_DRAWS;
+use bsm_design::in_series;
+use bsm_design::life::{Duty, life};
 use bsm_dyn::{
     ElasticPoint, Model, ModelWorkspace, Problem, hertz::Hertz, lubrication::Temperature,
 };
 use bsm_kin::Drive;
+use bsm_nut::friction::{BallModel, FrictionSum, NutFriction, ThirdContacts};
 use bsm_nut::thermal::HeldFriction;
+use bsm_nut::train::{Advance, BallAdvance, BallOfTrain, Rolling, Train};
 use bsm_nut::{
-    Advance, BallAdvance, BallInGrooves, BallModel, BallNut, BallOfTrain, BallPosition, Circuit,
-    EqualShare, Equilibrium, Flanks, Freedom, FrictionSum, NutError, NutFriction, PreloadKind,
-    Rolling, Support, ThirdContacts, Train,
+    BallInGrooves, BallNut, BallPosition, Circuit, EqualShare, Equilibrium, Flanks, Freedom,
+    NutError, PreloadKind, Support,
 };
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -2,9 +2,10 @@
 
 mod warnings;
 
+use bsm_design::life::{Duty, Life, life, pair_loads};
 use bsm_design::{
-    Duty, DynamicRating, Elasticity, Life, Nut, NutBody, PRELOAD, ROLLING_LEVER, StaticRating,
-    Thread, in_series, life, pair_loads,
+    DynamicRating, Elasticity, Nut, NutBody, PRELOAD, ROLLING_LEVER, StaticRating, Thread,
+    in_series,
 };
 
 use crate::answers::record::message;

@@ -1,6 +1,7 @@
 //! Random samples of a nut with scattered ball diameters and lead errors.
 
-use bsm_design::{FEW_DRAWS, quantile};
+use bsm_design::groove::FEW_DRAWS;
+use bsm_design::statistics::quantile;
 use bsm_nut::LeadError;
 
 use super::nut::QUANTITIES;

@@ -4,7 +4,9 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::ops::{Range, RangeInclusive};
 
-use bsm_design::{Band, Candidate, Nut};
+use bsm_design::Nut;
+use bsm_design::catalog::Candidate;
+use bsm_design::statistics::Band;
 use bsm_dyn::Materials;
 use serde_json::{Map, Value, json};
 

@@ -1,6 +1,6 @@
 //! Results for the warm steady state of an axis: quantities, uncertainty band, notes and warnings.
 
-use bsm_nut::FrictionSum;
+use bsm_nut::friction::FrictionSum;
 use bsm_nut::thermal::{
     BranchState, Estimate, NoSteadyState, PhaseState, SteadyState, WarmNut, celsius,
 };

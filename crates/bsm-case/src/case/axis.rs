@@ -2,11 +2,15 @@
 
 use std::f64::consts::TAU;
 
+use bsm_design::drive::{DriveTrain, MachineTable, MotorCurve, MotorPoint};
+use bsm_design::life::{
+    Hardness, Life, RatingBasis, RatingFactors, RequiredLife, reliability_factor,
+};
+use bsm_design::motion::{CycleTravel, Phase, phases};
+use bsm_design::shaft::{Bore, EndFixity, Shaft};
 use bsm_design::{
-    Axis, Bore, CycleTravel, DriveTrain, EndFixity, Grade, Hardness, Life, MachineTable, Make,
-    MotorCurve, MotorPoint, Mount, Nut, NutBody, NutSet, Phase, PreloadClass, PreloadMethod,
-    PreloadSize, RatingBasis, RatingFactors, RequiredLife, Shaft, Thread, phases,
-    reliability_factor,
+    Axis, Grade, Make, Mount, Nut, NutBody, NutSet, PreloadClass, PreloadMethod, PreloadSize,
+    Thread,
 };
 use bsm_dyn::DrivenPart;
 

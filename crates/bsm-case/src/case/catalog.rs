@@ -1,6 +1,7 @@
 //! Catalog of nuts: lists of sizes, and limits for their combinations.
 
-use bsm_design::{Candidate, Limits, Lists, OfferedSize, Range, front};
+use bsm_design::Range;
+use bsm_design::catalog::{Candidate, Limits, Lists, OfferedSize, front};
 use bsm_dyn::{Material, Materials};
 use serde_json::{Map, Value};
 

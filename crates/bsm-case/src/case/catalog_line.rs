@@ -1,10 +1,11 @@
 //! Cases that contain only catalog data: nominal diameter, lead and load ratings. The groove is
 //! estimated before a problem is built, so every command can use such a case.
 
-use bsm_design::{
+use bsm_design::groove::{
     CatalogLine, CatalogMistake, EstimatedGroove, GrooveEstimate, RejectedRow,
-    quasi_random_besides_groove, turn_length,
+    quasi_random_besides_groove,
 };
+use bsm_design::turn_length;
 use bsm_dyn::Conformities;
 
 use crate::case::axis::rated_dynamic_load;

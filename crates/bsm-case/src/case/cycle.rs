@@ -1,6 +1,7 @@
 //! Conversion of the duty cycle of a case to ramps, constant speeds and standstills in SI units.
 
-use bsm_design::{CycleTravel, DutySpeed, MachineTable, Move, ProfileSegment, phases};
+use bsm_design::drive::MachineTable;
+use bsm_design::motion::{CycleTravel, DutySpeed, Move, ProfileSegment, phases};
 
 use crate::vocabulary::entries::Named;
 use crate::vocabulary::error::invalid_input;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use bsm_design::{rod_inertia, rod_mass_per_length};
+use bsm_design::drive::{rod_inertia, rod_mass_per_length};
 use bsm_dyn::lubrication::Temperature;
 use serde_json::{Value, json};
 

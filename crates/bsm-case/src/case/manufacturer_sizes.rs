@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use bsm_design::OfferedSize;
+use bsm_design::catalog::OfferedSize;
 use serde_json::Value;
 
 use crate::vocabulary::cells::Cells;

@@ -1,7 +1,9 @@
 //! A screw for which only nominal diameter, lead and load ratings are known. Its other dimensions
 //! are estimated from lists and rules of manufacturers.
 
-use bsm_design::{NutBody, OfferedSize, Screw, rod_inertia};
+use bsm_design::catalog::OfferedSize;
+use bsm_design::drive::rod_inertia;
+use bsm_design::{NutBody, Screw};
 
 use crate::case::axis::nut_set;
 use crate::case::manufacturer_sizes::offered_sizes;

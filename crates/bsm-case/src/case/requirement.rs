@@ -1,8 +1,9 @@
 //! Requirements for the selection of a screw.
 
+use bsm_design::catalog::Lists;
+use bsm_design::motion::DutySpeed;
 use bsm_design::{
-    Bounds, DutySpeed, FixedValues, Lists, LoadCase, MotorLimit, Objective, Pitch, Range, Ranges,
-    Requirement, Travel,
+    Bounds, FixedValues, LoadCase, MotorLimit, Objective, Pitch, Range, Ranges, Requirement, Travel,
 };
 use bsm_dyn::{Direction, angles::Optimum};
 use serde_json::Value;

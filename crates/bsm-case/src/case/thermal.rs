@@ -1,6 +1,6 @@
 //! Thermal data of an axis: surfaces, given conductances, screw and surroundings.
 
-use bsm_design::EndFixity;
+use bsm_design::shaft::EndFixity;
 use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_nut::thermal::{
     AxialConstraint, BallLink, Coolant, NutSize, ScrewBar, Surfaces, Surroundings, ThermalAxis,

@@ -4,7 +4,8 @@
 
 use std::borrow::Cow;
 
-use bsm_design::{Band, Bounds};
+use bsm_design::Bounds;
+use bsm_design::statistics::Band;
 use serde_json::{Map, Value, json};
 
 use crate::vocabulary::members::row;

@@ -1,6 +1,6 @@
 //! Units in which answers are displayed. JSON always uses the units of the vocabulary.
 
-use bsm_design::Band;
+use bsm_design::statistics::Band;
 use serde_json::{Value, json};
 
 use super::entries::Named;

@@ -3,9 +3,10 @@
 
 use std::borrow::Cow;
 
+use bsm_design::life::{Contamination, RatingBasis};
+use bsm_design::shaft::EndFixity;
 use bsm_design::{
-    Contamination, EndFixity, Grade, Make, Objective, PRELOAD_CLASSES, PreloadClass, PreloadMethod,
-    RatingBasis, StiffnessAt,
+    Grade, Make, Objective, PRELOAD_CLASSES, PreloadClass, PreloadMethod, StiffnessAt,
 };
 use bsm_dyn::{Direction, DrivenPart, lubrication::BaseOil};
 use bsm_nut::Flanks;

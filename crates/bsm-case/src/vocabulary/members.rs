@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
-use bsm_design::Band;
+use bsm_design::statistics::Band;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
@@ -111,7 +111,7 @@ macro_rules! row {
                 Some(self.$unit)
             })?
 
-            fn bands(&self) -> Vec<Option<bsm_design::Band>> {
+            fn bands(&self) -> Vec<Option<bsm_design::statistics::Band>> {
                 [$($crate::vocabulary::members::row!(
                     @bands self $field $($flag)? [$($interval)?]
                 ),)*].concat()
@@ -145,7 +145,7 @@ macro_rules! row {
     };
     (@bands $self:ident $field:ident $($flag:ident)? []) => { vec![None] };
     (@bands $self:ident $field:ident [$interval:ident]) => {
-        vec![$self.$interval.map(|[low, high]: [f64; 2]| bsm_design::Band { low, high })]
+        vec![$self.$interval.map(|[low, high]: [f64; 2]| bsm_design::statistics::Band { low, high })]
     };
 }
 

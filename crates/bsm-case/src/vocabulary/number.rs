@@ -3,7 +3,7 @@
 
 use std::io::{self, Write};
 
-use bsm_design::Band;
+use bsm_design::statistics::Band;
 
 /// Formats a number with the fewest decimal digits that reproduce the number when read back. CSV
 /// tables contain this format. Numbers of at least 1e16 and numbers below 1e-5 have an exponent,

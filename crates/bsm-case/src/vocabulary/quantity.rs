@@ -3,7 +3,7 @@
 //! function that reads its value. Cases, answers, JSON, columns and the schema are generated from
 //! these tables.
 
-use bsm_design::Band;
+use bsm_design::statistics::Band;
 
 use super::output::Origin;
 use crate::{CaseError, InputKey, InputSet, Output, Rule};

@@ -1,7 +1,7 @@
 //! Tests of the nut catalog and of the nut life.
 
 use bsm_case::{Case, Catalog, Condition, ListColumn, candidate_case, ratings};
-use bsm_design::Candidate;
+use bsm_design::catalog::Candidate;
 
 use crate::named;
 

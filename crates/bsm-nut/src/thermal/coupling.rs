@@ -5,7 +5,8 @@
 use bsm_kin::Drive;
 
 use super::{HeatSources, NODES, Network, ThermalAxis};
-use crate::{BallModel, BallNut, Equilibrium, FrictionSum, NutError, PreloadKind, Support};
+use crate::friction::{BallModel, FrictionSum};
+use crate::{BallNut, Equilibrium, NutError, PreloadKind, Support};
 
 /// A function that calculates the friction of all balls of a nut. The models of the balls can be
 /// held constant.

@@ -9,9 +9,9 @@ use bsm_dyn::{
     Ball, Conformities, Material, Materials, ModelWorkspace, Problem, model::RacewayControl,
 };
 use bsm_kin::{Drive, Helix};
+use bsm_nut::friction::FlankFriction;
 use bsm_nut::{
-    BallNut, Bar, Circuit, Errors, FlankFriction, Flanks, Freedom, LeadError, NutError,
-    PreloadKind, Ring, Support,
+    BallNut, Bar, Circuit, Errors, Flanks, Freedom, LeadError, NutError, PreloadKind, Ring, Support,
 };
 use nuts::with_circuits;
 use proptest::prelude::*;

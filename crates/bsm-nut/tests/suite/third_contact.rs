@@ -12,7 +12,8 @@ use bsm_dyn::{
     model::{Traction, TractionWorkspace},
 };
 use bsm_kin::{Drive, Helix, Site};
-use bsm_nut::{Circuit, FlankFriction, Flanks, Freedom, Support};
+use bsm_nut::friction::FlankFriction;
+use bsm_nut::{Circuit, Flanks, Freedom, Support};
 use bsm_sample::{Sample, campaign};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -11,10 +11,9 @@ use bsm_dyn::{
 };
 use bsm_kin::Drive;
 use bsm_newton::Bracket;
-use bsm_nut::{
-    Advance, BallNut, Circuit, Equilibrium, Exit, ExitPush, FlankFriction, Flanks, FreeMotion,
-    Freedom, NutFriction, Rolling, Support, Train, TrainError, TrainInputs,
-};
+use bsm_nut::friction::{FlankFriction, FreeMotion, NutFriction};
+use bsm_nut::train::{Advance, Exit, ExitPush, Rolling, Train, TrainError, TrainInputs};
+use bsm_nut::{BallNut, Circuit, Equilibrium, Flanks, Freedom, Support};
 use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

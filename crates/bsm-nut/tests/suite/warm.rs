@@ -4,7 +4,7 @@
 use std::cell::{Cell, RefCell};
 use std::f64::consts::PI;
 
-use bsm_design::drag_torque;
+use bsm_design::drive::drag_torque;
 use bsm_dyn::{
     Control, DrivenPart, ElasticPoint, ModelWorkspace,
     lubrication::{
@@ -14,14 +14,13 @@ use bsm_dyn::{
     model::{RacewayControl, RacewayFriction, RacewayWorkspace},
 };
 use bsm_kin::Drive;
+use bsm_nut::friction::{FlankFriction, FrictionSum};
 use bsm_nut::thermal::{
     AxialConstraint, BETWEEN_LOADS, BallLink, Coolant, HeatSources, HeldFriction, NODES,
     NoSteadyState, NutSize, ScrewBar, Surfaces, Surroundings, ThermalAxis, WarmNut, WarmPhase,
     celsius, coolant_conductance, drag_beyond_contacts,
 };
-use bsm_nut::{
-    BallNut, Equilibrium, FlankFriction, FrictionSum, PreloadKind, Support, TurnRatings,
-};
+use bsm_nut::{BallNut, Equilibrium, PreloadKind, Support, TurnRatings};
 use bsm_sample::{Sample as _, campaign};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -2,7 +2,8 @@
 
 use bsm_case::Catalog;
 use bsm_case::units::{DEG, MM, UM};
-use bsm_design::{Candidate, LIMIT_LOAD, Size};
+use bsm_design::LIMIT_LOAD;
+use bsm_design::catalog::{Candidate, Size};
 
 use crate::{Curve, Figure, MAX_CURVES, PlotAxis, Stroke};
 

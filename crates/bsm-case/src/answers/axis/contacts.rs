@@ -1,6 +1,8 @@
 //! Friction of the balls in each phase of the duty cycle, and the nut under its largest load.
 
-use bsm_design::{Efficiency, PhasePoint, viscosity_ratio_by_film};
+use bsm_design::Efficiency;
+use bsm_design::life::viscosity_ratio_by_film;
+use bsm_design::motion::PhasePoint;
 use bsm_dyn::{ModelWorkspace, Status};
 
 use crate::case::catalog_line::USUAL_EFFICIENCIES;

@@ -1,9 +1,9 @@
 //! Motor of an axis, and motion of the load after a loss of motor power.
 
-use bsm_design::{
-    BackDrivenScrew, BackDriving, DriveTrain, PhasePoint, least_acceleration_time, speed_jumps,
-    stopping_distance,
+use bsm_design::drive::{
+    BackDrivenScrew, BackDriving, DriveTrain, least_acceleration_time, stopping_distance,
 };
+use bsm_design::motion::{PhasePoint, speed_jumps};
 use bsm_dyn::ModelWorkspace;
 
 use super::contacts::{self, contacts};

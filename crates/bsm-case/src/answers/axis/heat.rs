@@ -1,7 +1,8 @@
 //! Steady-state temperatures of an axis: from its warm state, from its thermal network without
 //! feedback, or from `axis_heat_transfer_W_K`.
 
-use bsm_design::{Phase, steady_rise};
+use bsm_design::motion::Phase;
+use bsm_design::shaft::steady_rise;
 use bsm_nut::thermal::{BallLink, Conductances, HeatSources, NODES, Network, ThermalAxis};
 
 use super::torques::PhaseTorques;

@@ -3,7 +3,7 @@
 use crate::case::axis::AxisModel;
 use crate::vocabulary::entries::Named;
 use crate::{Case, CaseError};
-use bsm_design::{Contamination, usual_fatigue_limit};
+use bsm_design::life::{Contamination, usual_fatigue_limit};
 
 /// Lubricant and cleanliness data for the modified life.
 pub(super) struct Lubrication {

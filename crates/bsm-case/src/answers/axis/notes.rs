@@ -1,6 +1,7 @@
 //! Notes and warnings on the axis sheet: assumptions, practical recommendations, and uncertainties.
 
-use bsm_design::{Axis, Grade, Phase, speed_jumps};
+use bsm_design::motion::{Phase, speed_jumps};
+use bsm_design::{Axis, Grade};
 use bsm_dyn::ModelWorkspace;
 
 use super::rules::at_least;

@@ -2,7 +2,9 @@
 
 use std::borrow::Cow;
 
-use bsm_design::{Axis, EndFixity, RatingBasis, RequiredLife, Shaft, UNLOADING_RATIO};
+use bsm_design::Axis;
+use bsm_design::life::{RatingBasis, RequiredLife, UNLOADING_RATIO};
+use bsm_design::shaft::{EndFixity, Shaft};
 
 use super::drive::MotorPeak;
 use super::{Preload, QUANTITIES, SCREW};

@@ -5,10 +5,10 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::f64::consts::TAU;
 
-use bsm_design::{
-    Axis, Duty, Grade, Life, Mount, PERMITTED_STRESS, Phase, Shaft, in_series, life, lost_motion,
-    natural_frequency, pair_loads,
-};
+use bsm_design::life::{Duty, Life, life, pair_loads};
+use bsm_design::motion::Phase;
+use bsm_design::shaft::{PERMITTED_STRESS, Shaft, lost_motion, natural_frequency};
+use bsm_design::{Axis, Grade, Mount, in_series};
 use bsm_dyn::ModelWorkspace;
 
 use super::contacts::{Contacts, contacts, nut_at, viscosity_ratio};

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use bsm_design::{
-    DriveTrain, DutySpeed, Nut, Phase, PhaseMeans, PhasePoint, ProfileSegment, drag_torque, phases,
-};
+use bsm_design::Nut;
+use bsm_design::drive::{DriveTrain, drag_torque};
+use bsm_design::motion::{DutySpeed, Phase, PhaseMeans, PhasePoint, ProfileSegment, phases};
 use bsm_dyn::ModelWorkspace;
 use bsm_nut::thermal::HeatSources;
 use schemars::JsonSchema;

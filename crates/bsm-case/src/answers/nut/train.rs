@@ -4,8 +4,9 @@
 use std::borrow::Cow;
 
 use bsm_dyn::{Model, ModelWorkspace, Problem, solution::BallState};
-use bsm_nut::{
-    Advance, CircuitAdvance, CircuitTrain, FreeMotion, MAX_PUSH_RATIO, Rolling, Train, TrainError,
+use bsm_nut::friction::FreeMotion;
+use bsm_nut::train::{
+    Advance, CircuitAdvance, CircuitTrain, MAX_PUSH_RATIO, Rolling, Train, TrainError,
 };
 
 use super::{BallFriction, CircuitRow, NutProblem, NutReport};

@@ -1,8 +1,8 @@
 //! Warnings about nuts with unfavorable proportions or outside the limits of the catalog formulas.
 
-use bsm_design::{
-    Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, PRELOAD, Range, Thread, UNLOADING_RATIO,
-};
+use bsm_design::catalog::Limits;
+use bsm_design::life::UNLOADING_RATIO;
+use bsm_design::{Elasticity, LIMIT_LOAD, Nut, NutBody, PRELOAD, Range, Thread};
 
 use crate::format_exact;
 use crate::vocabulary::units::{MM, UM};

@@ -6,9 +6,8 @@ use std::sync::Arc;
 use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
 use bsm_dyn::{Ball, Conformities, DrivenPart};
 use bsm_kin::{Drive, Helix};
-use bsm_nut::{
-    BallNut, Equilibrium, Errors, FlankFriction, NutError, PreloadKind, Support, TurnRatings,
-};
+use bsm_nut::friction::FlankFriction;
+use bsm_nut::{BallNut, Equilibrium, Errors, NutError, PreloadKind, Support, TurnRatings};
 
 use super::bodies::bodies;
 use super::circuits::{

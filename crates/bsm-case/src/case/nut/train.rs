@@ -1,6 +1,7 @@
 //! Conversion of the inputs for a ball train to SI units.
 
-use bsm_nut::{BallNut, Exit, ExitPush, TrainInputs};
+use bsm_nut::BallNut;
+use bsm_nut::train::{Exit, ExitPush, TrainInputs};
 
 use super::friction::FrictionSource;
 use crate::vocabulary::error::invalid_input;

@@ -1,6 +1,6 @@
 //! Conversion of an axis to the problem of its warm steady state in SI units.
 
-use bsm_design::drag_torque;
+use bsm_design::drive::drag_torque;
 use bsm_dyn::DrivenPart;
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
@@ -139,8 +139,8 @@ impl<'a> WarmAxis<'a> {
         let Self { case, machine, ref cold } = *self;
         let axis = thermal_axis(case, machine, cold.link()?)?;
         let Some(axis) = axis else { return Err(invalid_input("warm_state", "needs stroke_mm")) };
-        let samples = machine.axis.phases.iter().flat_map(bsm_design::Phase::samples);
-        let phase = |(time, point): (f64, bsm_design::PhasePoint)| WarmPhase {
+        let samples = machine.axis.phases.iter().flat_map(bsm_design::motion::Phase::samples);
+        let phase = |(time, point): (f64, bsm_design::motion::PhasePoint)| WarmPhase {
             time,
             load: point.load,
             drive: match machine.axis.driven {

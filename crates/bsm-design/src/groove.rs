@@ -19,7 +19,7 @@ use self::prior::{RatingFit, unprinted};
 use crate::Nut;
 use crate::drive::GRAVITY;
 use crate::nut::turn_length;
-use crate::statistics::{ln_sum, normal_quantile, quantile};
+use crate::statistics::{ln_sum, normal_quantile};
 
 pub use self::prior::{BallReturn, KnownGroove, Prior};
 
@@ -550,25 +550,6 @@ static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
     };
     (1..=DRAWS).map(point).collect()
 });
-
-/// Uncertainty band of a result, calculated from its values for all groove draws.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Band {
-    /// Lower end of the band (5 % quantile).
-    pub low: f64,
-    /// Upper end of the band (95 % quantile).
-    pub high: f64,
-}
-
-impl Band {
-    /// Returns the band of the given values, or `None` if there are no values.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let mut sorted: Vec<f64> = values.into_iter().collect();
-        sorted.sort_by(f64::total_cmp);
-        let at = |probability: f64| quantile(&sorted, probability);
-        (!sorted.is_empty()).then(|| Self { low: at(0.05), high: at(0.95) })
-    }
-}
 
 #[cfg(test)]
 mod tests {
