@@ -685,10 +685,11 @@ impl CycleTravel {
 /// Returns all pairs of consecutive phases between which the speed jumps. The last phase is
 /// followed by the first phase.
 ///
-/// Speed jumps of less than one millionth of the largest speed are ignored as rounding errors.
+/// Speed jumps of less than one part in ten thousand of the largest speed are ignored, because they
+/// result from rounded times and accelerations.
 pub fn speed_jumps(phases: &[Phase]) -> Vec<[Phase; 2]> {
     /// Minimum speed jump, divided by the largest speed (dimensionless).
-    const MIN_JUMP: f64 = 1e-6;
+    const MIN_JUMP: f64 = 1e-4;
     let fastest = phases.iter().map(Phase::fastest).fold(0.0, f64::max);
     let next = phases.iter().cycle().skip(1);
     let pairs = phases.iter().zip(next).map(|(one, next)| [*one, *next]);

@@ -259,7 +259,18 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
 }
 
 /// Warning about a catalog stiffness that is not used.
-pub(crate) const UNUSED_RIGIDITY: &str = "rated_rigidity_N_um is not used, because rated_rigidity_at states a load on one nut, but the nut is preloaded. The stiffness of nut and axis is calculated instead and cannot be compared with the stiffness of other offers that follows from a catalog.";
+const UNUSED_RIGIDITY: &str = "rated_rigidity_N_um is not used, because rated_rigidity_at states a load on one nut, but the nut is preloaded. The stiffness of nut and axis is calculated instead and cannot be compared with the stiffness of other offers that follows from a catalog.";
+
+/// Origin of the stiffness of a nut. A catalog stiffness is a secant stiffness of nut and balls, and
+/// a calculated stiffness is the tangent stiffness of the contacts alone, so the two cannot be
+/// compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum StiffnessOrigin {
+    /// The stiffness follows from `rated_rigidity_N_um`.
+    Catalog,
+    /// The stiffness is calculated from the contacts of all balls.
+    Calculated,
+}
 
 /// Results that are omitted if the speed is not given.
 const OF_SPEED: [OutputName; 42] = [
@@ -439,6 +450,8 @@ pub struct AxisReport {
     pub warnings: Vec<Warning>,
     /// Answer that contains results, rules, notes and tables.
     pub answer: Answer,
+    /// Origin of the stiffness of the nut; `None` if the stiffness is unknown.
+    pub(crate) stiffness_origin: Option<StiffnessOrigin>,
 }
 
 /// Returns the columns of the axis sheet that are used to compare nuts in a table.
@@ -667,7 +680,15 @@ impl AxisReport {
             },
         );
         answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));
-        Ok(Self { case: given.clone(), settings: *settings, phases, order, warnings, answer })
+        Ok(Self {
+            case: given.clone(),
+            settings: *settings,
+            phases,
+            order,
+            warnings,
+            answer,
+            stiffness_origin: state.stiffness_origin(),
+        })
     }
 
     /// Creates the axis sheet of an axis that has no warm steady state.
@@ -680,7 +701,15 @@ impl AxisReport {
         let none = (&[][..], Numbers::none(QUANTITIES), Numbers::none(SCREW));
         let answer = sheet(of, case, Some(warm), none, Vec::new());
         let (phases, order) = (Vec::new(), Order::default());
-        Self { case: case.clone(), settings: warm.settings, phases, order, warnings, answer }
+        Self {
+            case: case.clone(),
+            settings: warm.settings,
+            phases,
+            order,
+            warnings,
+            answer,
+            stiffness_origin: None,
+        }
     }
 
     /// Returns the report with its results in the displayed units of the case.

@@ -3,7 +3,7 @@
 
 use serde_json::{Map, Value};
 
-use crate::answers::axis::{AxisReport, UNUSED_RIGIDITY, sheet_columns};
+use crate::answers::axis::{AxisReport, StiffnessOrigin, sheet_columns};
 use crate::answers::groove::pair;
 use crate::vocabulary::members::{Rows, Sentences, answer, row};
 use crate::{Answer, Column, Criterion, OutputName, Verdict, output};
@@ -216,11 +216,17 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
             second_interval: other.and_then(|rule| rule.band).map(pair),
         }
     });
-    let is_unused = |report: &AxisReport| {
-        report.answer.warnings.iter().any(|warning| warning == UNUSED_RIGIDITY)
-    };
     // A calculated stiffness cannot be compared with a stiffness that follows from a catalog.
-    let has_other_origin = is_unused(first) != is_unused(second);
+    let origins = [first, second].map(|report| report.stiffness_origin);
+    let has_other_origin = origins[0] != origins[1] && !origins.contains(&None);
+    let note = has_other_origin.then(|| {
+        let by_catalog = origins.iter().position(|origin| *origin == Some(StiffnessOrigin::Catalog));
+        let name = by_catalog.map_or("", |place| names[place]);
+        format!(
+            "The two values of axis_stiffness_N_um are not ranked, because only that of {name} follows from a catalog. The other is \
+             calculated from the contacts alone and is usually larger. Give rated_rigidity_N_um for both offers or for neither."
+        )
+    });
     let numbers = sheet_columns().filter_map(|column| {
         let values = [first, second].map(|report| report.number(column.into()));
         values.iter().any(Option::is_some).then(|| {
@@ -246,7 +252,8 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         })
     });
     let fails = first.verdict().min(second.verdict()) == Verdict::Fails;
-    Answer { fails, ..Answer::default() }.with_members(OfferMembers {
+    let notes = note.into_iter().collect();
+    Answer { fails, notes, ..Answer::default() }.with_members(OfferMembers {
         offers: Sentences("", offers),
         rules: Rows(rules.collect()),
         numbers: Rows(numbers.collect()),

@@ -54,7 +54,7 @@ impl Cycle {
         let load_factor = case.number(InputKey::load_factor);
         let Some(entries) = &case.entries.cycle else {
             if case.cycles_per_hour.is_some() {
-                return Err(invalid_input("cycles_per_hour", "needs a cycle"));
+                return Err(invalid_input("cycles_per_hour", cycle_to_give(case)));
             }
             let speed = match (case.feed_m_min, case.speeds_rpm()) {
                 (Some(feed), _) if case.nut_speed_rpm.is_none() => {
@@ -181,6 +181,26 @@ impl Case {
             )
         })
     }
+}
+
+/// Asks for a cycle. If the case contains a stroke and a feed, the text contains the cycle of a
+/// motion back and forth over the stroke.
+fn cycle_to_give(case: &Case) -> String {
+    let (Some(stroke), Some(feed)) = (case.stroke_mm, case.feed_m_min) else {
+        return "needs a cycle".to_owned();
+    };
+    let entry = |feed: f64| {
+        let force = case.axial_load_N.filter(|force| *force != 0.0);
+        let force = force
+            .map_or_else(String::new, |force| format!(r#", "force_N": {}"#, format_trimmed(force)));
+        let time = format_trimmed(60.0 * stroke * MM / feed.abs());
+        format!(r#"{{"time_s": {time}, "feed_m_min": {}{force}}}"#, format_trimmed(feed))
+    };
+    format!(
+        r#"needs a cycle. For a motion back and forth over the stroke, replace load and speed by "cycle": [{}, {}]"#,
+        entry(feed),
+        entry(-feed)
+    )
 }
 
 /// Returns the process force at standstill: `hold_force_N` or, if it is not given, the process

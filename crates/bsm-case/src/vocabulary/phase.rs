@@ -61,6 +61,19 @@ macro_rules! phase {
                 all.into_iter().flatten()
             }
 
+            /// Returns true if the entry is a phase with an acceleration but without a speed, so that
+            /// it starts at rest.
+            pub(crate) fn starts_at_rest(&self) -> bool {
+                let speeds = [
+                    self.feed_m_min,
+                    self.start_feed_m_min,
+                    self.end_feed_m_min,
+                    self.screw_speed_rpm,
+                    self.distance_mm,
+                ];
+                self.acceleration_m_s2.is_some() && speeds.iter().all(Option::is_none)
+            }
+
             fn set(&mut self, key: &str, value: f64) {
                 match key {
                     $(stringify!($name) => self.$name = Some(value),)*

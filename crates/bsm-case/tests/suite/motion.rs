@@ -338,7 +338,7 @@ fn warns_about_cycles_with_speed_jumps_or_without_return_to_start() {
     let has = |part: &str| report.answer.warnings.iter().any(|own| own.contains(part));
     assert!(has("but ends 20 mm away"), "{:?}", report.answer.warnings);
     assert!(
-        has("jumps 2 times in the cycle, first from 6 to -6 m/min"),
+        has("jumps 2 times in the cycle. The largest jump is from 6 to -6 m/min"),
         "{:?}",
         report.answer.warnings
     );

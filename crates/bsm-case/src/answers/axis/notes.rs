@@ -14,7 +14,9 @@ use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
 use crate::vocabulary::units::{MM, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
-use crate::{CaseError, InputKey, MissingInput, NutReport, format_digits, format_trimmed};
+use crate::{
+    CaseError, InputKey, MissingInput, NutReport, PhaseEntry, format_digits, format_trimmed,
+};
 
 /// Ratio of stroke to nut length below which the stroke is short, and the smallest load factor for
 /// short strokes (HIWIN BS-08-2, F 3.10).
@@ -158,16 +160,29 @@ impl AxisState<'_> {
             )
         });
         let jumps = speed_jumps(&self.axis().phases);
-        let first = jumps.first().map(|[before, after]| {
+        let size = |[before, after]: &[Phase; 2]| (after.speed[0] - before.speed[1]).abs();
+        let largest = jumps.iter().rev().max_by(|one, other| size(one).total_cmp(&size(other)));
+        let starts_at_rest =
+            self.case.entries.cycle.iter().flatten().any(PhaseEntry::starts_at_rest);
+        let warning = largest.map(|[before, after]| {
             let feed = |speed: f64| format_trimmed(speed * self.machine.advance() * 60.0);
+            let (from, to) = (feed(before.speed[1]), feed(after.speed[0]));
+            let jumps = match jumps.len() {
+                1 => format!("The speed jumps once in the cycle, from {from} to {to} m/min."),
+                count => format!(
+                    "The speed jumps {count} times in the cycle. The largest jump is from {from} to {to} m/min."
+                ),
+            };
+            let hint = if starts_at_rest {
+                " An entry with acceleration_m_s2 but without a speed starts at rest; give start_feed_m_min and end_feed_m_min for another start."
+            } else {
+                ""
+            };
             format!(
-                "The speed jumps {} in the cycle, first from {} to {} m/min. The acceleration torque of these jumps is not included. To include it, replace the jumps by moves or ramps.",
-                if jumps.len() == 1 { "once".to_owned() } else { format!("{} times", jumps.len()) },
-                feed(before.speed[1]),
-                feed(after.speed[0])
+                "{jumps} The acceleration torque of a jump is not included. To include it, replace the jump by a move or a ramp.{hint}"
             )
         });
-        open.into_iter().chain(first)
+        open.into_iter().chain(warning)
     }
 
     /// Returns a warning if a driven nut can excite its screw near the critical speed.

@@ -11,6 +11,7 @@ use bsm_design::shaft::{PERMITTED_STRESS, Shaft, lost_motion, natural_frequency}
 use bsm_design::{Axis, Grade, Mount, in_series};
 use bsm_dyn::ModelWorkspace;
 
+use super::StiffnessOrigin;
 use super::contacts::{Contacts, contacts, nut_at, viscosity_ratio};
 use super::drive::PowerLoss;
 use super::heat::{Heating, Powers};
@@ -313,19 +314,35 @@ impl<'a> AxisState<'a> {
         self.case.rigidity_of_one_nut().is_some() && self.axis().preload.is_some()
     }
 
+    /// Returns the stiffness of the nut under the largest load \[N/µm\].
+    pub(super) fn nut_stiffness(&self) -> Option<f64> {
+        Some(self.nut_stiffness_and_origin()?.0)
+    }
+
+    /// Returns whether the stiffness of the nut is calculated or follows from the catalog.
+    pub(super) fn stiffness_origin(&self) -> Option<StiffnessOrigin> {
+        Some(self.nut_stiffness_and_origin()?.1)
+    }
+
     /// Returns the stiffness of the nut under the largest load \[N/µm\], calculated from all balls
     /// or taken from the catalog.
-    pub(super) fn nut_stiffness(&self) -> Option<f64> {
+    fn nut_stiffness_and_origin(&self) -> Option<(f64, StiffnessOrigin)> {
         let axis = self.axis();
         let by_catalog = || {
             let stated = self.case.rated_rigidity_N_um?;
             let Named(at) = self.case.entries.rated_rigidity_at?;
-            at.stiffness(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
+            let ratings = self.machine.ratings;
+            let stiffness = at.stiffness(stated, axis.largest_load(), axis.preload, ratings[0]);
+            Some((stiffness?, StiffnessOrigin::Catalog))
+        };
+        let calculated = || {
+            let stiffness = self.of_nut(output!(nut_stiffness_N_um))?;
+            Some((stiffness, StiffnessOrigin::Calculated))
         };
         // A catalog stiffness is more accurate than the stiffness of an estimated groove.
         match (&self.machine.groove, self.case.has_estimated_groove()) {
-            (Some(_), false) => self.of_nut(output!(nut_stiffness_N_um)),
-            (Some(_), true) => by_catalog().or_else(|| self.of_nut(output!(nut_stiffness_N_um))),
+            (Some(_), false) => calculated(),
+            (Some(_), true) => by_catalog().or_else(calculated),
             (None, _) => by_catalog(),
         }
     }
