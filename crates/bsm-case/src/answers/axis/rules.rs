@@ -141,22 +141,47 @@ impl RuleInputs<'_> {
     ///
     /// * `margin`: ratio of the safety factor to the smallest permitted safety factor.
     fn remedy_of_buckling(&self, margin: f64) -> String {
+        let is_compressed = self.number(output!(screw_tension_N)).is_some_and(|force| force < 0.0);
+        let pretension = if is_compressed {
+            ", or a pretension (pretension_K) against the compression due to constrained thermal expansion"
+        } else {
+            ""
+        };
         format!(
-            "unsupported_length_mm of at most {}, or a core diameter of at least {} mm",
-            at_most(self.length_mm() * margin.sqrt(), 0),
+            "{}a core diameter of at least {} mm{pretension}",
+            self.shorter_screw(self.length_mm() * margin.sqrt()),
             at_least(self.core_mm() * margin.powf(-0.25), 1)
         )
     }
 
-    /// Describes a remedy against whirling that does not change the length or the diameter of the
-    /// screw: a stiffer support or, if both ends are already fixed, a driven nut on a stationary
+    /// Describes a shorter screw as a remedy, followed by "or". If the thread for the stroke does not
+    /// fit into the required length, the text states the stroke that fits, or is empty if no
+    /// stroke fits.
+    ///
+    /// * `length`: required length between the bearings \[mm\].
+    fn shorter_screw(&self, length: f64) -> String {
+        let thread = self.number(output!(thread_length_mm)).unwrap_or(0.0);
+        if thread <= length {
+            return format!("unsupported_length_mm of at most {}, or ", at_most(length, 0));
+        }
+        let stroke = self.case.stroke_mm.map(|stroke| stroke - (thread - length));
+        let Some(stroke) = stroke.filter(|stroke| *stroke >= 1.0) else { return String::new() };
+        let length = match self.case.unsupported_length_mm {
+            Some(_) => format!(" with unsupported_length_mm of at most {}", at_most(length, 0)),
+            None => String::new(),
+        };
+        format!("stroke_mm of at most {}{length}, or ", at_most(stroke, 0))
+    }
+
+    /// Describes remedies against whirling that do not change the length or the diameter of the
+    /// screw: a stiffer support, unless both ends are already fixed, or a driven nut on a stationary
     /// screw.
     fn other_remedy_of_whirling(&self) -> &'static str {
         let is_fixed = |shaft: &Shaft| shaft.support == EndFixity::FixedFixed;
         if self.axis.shaft.as_ref().is_some_and(is_fixed) {
             "a driven nut (driven_part nut)"
         } else {
-            "a stiffer support"
+            "a stiffer support, or a driven nut (driven_part nut)"
         }
     }
 
@@ -324,8 +349,8 @@ rules! {
         at_most of.input(K::required_critical_speed_ratio),
         "manufacturers' catalogs: 0.8 of the critical speed (Z1)",
         format!(
-            "unsupported_length_mm of at most {}, or a core diameter of at least {} mm, or {}",
-            at_most(of.length_mm() * margin.sqrt(), 0),
+            "{}a core diameter of at least {} mm, or {}",
+            of.shorter_screw(of.length_mm() * margin.sqrt()),
             at_least(of.core_mm() / margin, 1),
             of.other_remedy_of_whirling()
         );
