@@ -7,7 +7,9 @@ use std::cell::OnceCell;
 use bsm_kin::{Helix, Jet};
 use bsm_newton::{Continuation, follow};
 
-use super::equations::{COARSE_ACCURACY, COARSE_RESIDUAL, Lubrication, SEARCH_ACCURACY, SlipBall};
+use super::equations::{
+    COARSE_ACCURACY, COARSE_RESIDUAL, Lubrication, NewtonLimits, SEARCH_ACCURACY, SlipBall,
+};
 use super::root::{RootWithPower, SlipRoot};
 use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
@@ -23,9 +25,8 @@ use crate::models::workspace::ModelWorkspace;
 /// is at most a tenth of its tolerance.
 pub(super) const LUBRICATED_RESIDUAL_GOAL: f64 = 1e-11;
 
-/// Limits for each step of the continuation in which the lubricant friction is increased: maximum
-/// number of Newton steps, and maximum number of halvings of a Newton step.
-const SHARE_LIMITS: (usize, u32) = (12, 6);
+/// Limits for each step of the continuation in which the lubricant friction is increased.
+const SHARE_LIMITS: NewtonLimits = NewtonLimits { max_steps: 12, max_halvings: 6 };
 
 impl<'a> SlipBall<'a> {
     /// Returns the equations with lubricant friction.
