@@ -131,9 +131,9 @@ pub mod lanes {
     pub use crate::ellipse::{Patch, lubricated_powers, power_of_many};
     pub use crate::models::{
         BallContacts, EhlPoint, EhlUnits, ElasticMotion, FilmLoss, FirstOrder, GrooveContact,
-        LoadedContact, ModelErrors, Plane, RacewayBall, ResultUnits, RigidBall, RigidMotion,
-        RollingMotion, RollingRoot, ScaledBall, ScaledFilm, ScaledSize, SlidingBall, SlidingMotion,
-        SlidingRoot, SlidingState, Sweeps, friction_angle, friction_power, onset_number,
-        rolling_torque, transmitted,
+        LoadedContact, LubricatedScrew, ModelErrors, Plane, RacewayBall, ResultUnits, RigidBall,
+        RigidMotion, RollingMotion, RollingRoot, ScaledBall, ScaledFilm, ScaledSize, SlidingBall,
+        SlidingMotion, SlidingRoot, SlidingState, Sweeps, friction_angle, friction_power,
+        onset_number, rolling_torque, transmitted,
     };
 }

@@ -6,7 +6,7 @@
 use bsm_kin::Real;
 use bsm_newton::Convergence;
 
-use super::ball::{RigidBall, RigidMotion, times};
+use super::ball::{RigidBall, RigidCoordinates, RigidMotion, times};
 use super::first_order::FirstOrder;
 use super::sweep::SweepState;
 
@@ -90,8 +90,14 @@ impl<F: Real> RigidBall<F> {
             state.unloaded * state.centrifugal,
             friction_b * norm_b / twice,
         ];
-        let slip = (state.slip * norm_a, times(norm_a.recip(), state.nut));
-        self.motion(loads, [state.p, state.rate], slip, state.s)
+        self.motion(RigidCoordinates {
+            loads,
+            precession: state.p,
+            rate: state.rate,
+            slip: state.slip * norm_a,
+            slip_direction: times(norm_a.recip(), state.nut),
+            spin_moment: state.s,
+        })
     }
 }
 

@@ -12,6 +12,7 @@ use nalgebra::{Matrix4, Vector3, Vector4};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::ball::RigidCoordinates;
 use super::first_order::{
     MIN_STEEP_SINE, UNIQUE_INERTIA, UNIQUE_MAX_FRICTION, UNIQUE_MIN_RATE, UNIQUE_MULTIPLICITY,
 };
@@ -78,8 +79,14 @@ fn random_start(
     let gyroscopic = ball.inertia * rate * tau * frame.k.y;
     let spin = (gyroscopic - moment) / frame.k.z;
     let (sin, cos) = angles[0].sin_cos();
-    let loads = [loads[0], loads[1], loads[2]];
-    let motion = ball.motion(loads, [p, rate], (slip.abs(), [cos, sin]), spin);
+    let motion = ball.motion(RigidCoordinates {
+        loads: [loads[0], loads[1], loads[2]],
+        precession: p,
+        rate,
+        slip: slip.abs(),
+        slip_direction: [cos, sin],
+        spin_moment: spin,
+    });
     Some(RigidEquations::at(ball, &motion))
 }
 
