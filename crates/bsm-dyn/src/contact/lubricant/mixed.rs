@@ -78,12 +78,12 @@ impl<D: Real> MixedFriction<D> {
     ///
     /// * `speed_unit`: unit in which slip speeds are given \[m/s\].
     #[inline(always)]
-    pub(crate) fn of<P: Real>(oil: &OilFriction<'_, P>, film: LoadedFilm<D>, speed_unit: P) -> Self
+    pub(crate) fn of<P: Real>(oil: &OilFriction<'_, P>, film: &LoadedFilm<D>, speed_unit: P) -> Self
     where
         D: RealOver<P>,
     {
         let OilFriction { state, limiting_shear, boundary } = oil;
-        let LoadedFilm { thickness, asperity_share, max_pressure } = film;
+        let &LoadedFilm { thickness, asperity_share, max_pressure } = film;
         let zero = thickness.constant(0.0);
         let (limiting_shear, boundary) = (zero + *limiting_shear, zero + *boundary);
         // τ_E = 2 Λ (a_p + b_p p_max)                                     (Y10)

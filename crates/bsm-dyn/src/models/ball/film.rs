@@ -163,7 +163,7 @@ impl<P: Real> EhlPoint<P> {
                 limiting_shear: lubricant.oil.limiting_shear,
                 boundary: lubricant.boundary_friction,
             },
-            LoadedFilm { thickness, asperity_share: share, max_pressure },
+            &LoadedFilm { thickness, asperity_share: share, max_pressure },
             units.speed,
         );
         let rolling = constants.rolling_force(log_rate, weight, semi_axis) * heating;

@@ -364,7 +364,7 @@ fn sweeps_that_converge_find_the_same_root_as_continuation() {
         };
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let first = case.first_order();
-        let swept = case.sweeps(&first);
+        let swept = case.fixed_point(&first);
         if first.inertia_scale < 0.2 * case.friction()
             || !(swept.converged && swept.motion.is_admissible())
         {
@@ -459,7 +459,7 @@ fn followed_branch_begins_below_the_actual_inertia() {
     let [point, ..] = slowly_orbiting_points();
     let ball = Rigid { point }.ball().expect("in the domain");
     let first = ball.first_order();
-    let swept = ball.sweeps(&first);
+    let swept = ball.fixed_point(&first);
     let branch = ball.follow_branch(&first);
     let found = branch.motions.first().expect("a root");
     // The root on the branch is located to within a thousandth of a step.

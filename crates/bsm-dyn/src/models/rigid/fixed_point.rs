@@ -33,7 +33,7 @@ const DIRECTION_TOL: f64 = 1e-12;
 
 /// Result of the fixed-point iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sweeps<F: Real> {
+pub struct FixedPoint<F: Real> {
     /// Motion after the last sweep. Loads and slip may be positive or negative.
     pub motion: RigidMotion<F>,
     /// Largest scaled residual of the equations.
@@ -51,7 +51,7 @@ impl<F: Real> RigidBall<F> {
     /// Repeats sweeps, starting from the first-order solution of this ball, until the friction
     /// directions are stationary.
     #[inline(always)]
-    pub fn sweeps(&self, first: &FirstOrder<F>) -> Sweeps<F> {
+    pub fn fixed_point(&self, first: &FirstOrder<F>) -> FixedPoint<F> {
         let inertia = first.inertia_scale / self.friction();
         let guided = first.has_compressive_loads() & inertia.below(MAX_INERTIA);
         let (mut directions, mut last) = (first.next, first.change);
@@ -71,17 +71,17 @@ impl<F: Real> RigidBall<F> {
                 break;
             }
         }
-        let motion = self.swept(&self.sweep(&directions));
+        let motion = self.motion_after(&self.sweep(&directions));
         let residual = self.scaled_residual(&motion);
         let ended = guided & !moving;
         let stationary = ended & count.below(MAX_SWEEPS_WITHOUT_ROOT);
         let converged = ended & residual.below(Convergence::RESIDUAL_TOL);
-        Sweeps { motion, residual, count, stationary, converged }
+        FixedPoint { motion, residual, count, stationary, converged }
     }
 
     /// Returns the motion of the ball that corresponds to the state of a sweep.
     #[inline(always)]
-    fn swept(&self, state: &SweepState<F>) -> RigidMotion<F> {
+    fn motion_after(&self, state: &SweepState<F>) -> RigidMotion<F> {
         let [norm_a, norm_b] = state.norms;
         let [friction_a, friction_b] = state.friction_forces;
         let twice = self.signed * 2.0;
@@ -101,7 +101,7 @@ impl<F: Real> RigidBall<F> {
     }
 }
 
-impl<F: Real> Sweeps<F> {
+impl<F: Real> FixedPoint<F> {
     /// Returns true if the sweeps have found a root, that is, converged to an admissible motion.
     #[inline(always)]
     pub fn is_root(&self) -> F::Mask {
