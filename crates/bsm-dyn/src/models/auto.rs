@@ -71,8 +71,8 @@ impl Auto {
         })
     }
 
-    /// Calculates the steady state of a rolling ball with its error bounds. Returns `None` if an
-    /// error bound is undefined or the ball is in partial skid.
+    /// Calculates the steady state of a rolling ball with its error bounds. Returns `None` if the
+    /// ball is in partial skid, if the solve fails, or if an error bound is undefined.
     fn outside_partial_skid(
         &self,
         contacts: &ElasticContacts,

@@ -14,10 +14,11 @@ use super::sweep::SweepState;
 /// by continuation.
 const MAX_SWEEPS: usize = 64;
 
-/// Sweep count below which stationary sweeps that are not at a root count as evidence that there is
-/// no root. Iterations that need more sweeps can miss a root. The limit was tested with 34 665
-/// random points; at each of them, an independent search for all roots found none (theory 04,
-/// direct sweeps).
+/// If the sweeps become stationary after fewer than this number of sweeps, but not at a root, this
+/// is evidence that there is no root. Iterations that need more sweeps can miss a root.
+///
+/// The limit is supported by 34 665 random points at which an independent search for all roots
+/// found none (`docs/theory/04-rigid.md`, section on direct sweeps).
 const MAX_SWEEPS_WITHOUT_ROOT: f64 = 24.0;
 
 /// Maximum ratio of inertia force to friction force at which converged sweeps are accepted. The
