@@ -130,10 +130,10 @@ pub mod lanes {
     pub use crate::contact::{BallOrbit, ideal_torque};
     pub use crate::ellipse::{Patch, lubricated_powers, power_of_many};
     pub use crate::models::{
-        BallContacts, EhlPoint, EhlUnits, ElasticMotion, FilmLoss, FirstOrder, GrooveContact,
-        LoadedContact, ModelErrors, Plane, RacewayBall, ResultUnits, RigidBall, RigidMotion,
-        RollingMotion, RollingRoot, ScaledBall, ScaledFilm, ScaledSize, SlidingBall, SlidingMotion,
-        SlidingRoot, SlidingState, Sweeps, friction_angle, friction_power, onset_number,
-        rolling_torque, transmitted,
+        BallContacts, EhlPoint, EhlUnits, ElasticMotion, FilmLoss, FirstOrder, FixedPoint,
+        GrooveContact, LoadedContact, LubricatedScrew, ModelErrors, Plane, RacewayBall,
+        ResultUnits, RigidBall, RigidMotion, RollingMotion, RollingRoot, ScaledBall, ScaledFilm,
+        ScaledSize, SlidingBall, SlidingMotion, SlidingRoot, SlidingState, friction_angle,
+        friction_power, onset_number, rolling_torque, transmitted,
     };
 }

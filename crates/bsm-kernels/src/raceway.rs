@@ -7,7 +7,8 @@ use std::f64::consts::PI;
 
 use bsm_case::{InputKey, SolutionOutput};
 use bsm_dyn::lanes::{
-    ElasticMotion, RacewayBall, friction_power, ideal_torque, onset_number, rolling_torque,
+    ElasticMotion, LubricatedScrew, RacewayBall, friction_power, ideal_torque, onset_number,
+    rolling_torque,
 };
 use bsm_dyn::{Control, Model, lubrication::FilmState, solution::Transmission};
 use bsm_kin::Real;
@@ -211,8 +212,14 @@ fn losses<S: Simd>(
     let transmission = Transmission::of(back, ideal, torque, units.speed);
     let mut film = None;
     if let Some(lubricated) = &lubricated {
-        let of = (back, tan_lead, transmission.efficiency);
-        film = Some(lubricated.state(units, given.get(InputKey::loaded_balls), of));
+        film = Some(lubricated.state(LubricatedScrew {
+            power_unit: units.ball * units.speed.abs() * units.axial,
+            balls: given.get(InputKey::loaded_balls),
+            outside: lubricated.outside,
+            back,
+            tan_a: tan_lead,
+            efficiency: transmission.efficiency,
+        }));
     }
     let finite = torque.abs().below(f64::INFINITY);
     RacewayLosses { transmission, friction, film, resolved: resolved & finite }

@@ -49,7 +49,7 @@ impl Kernel for RigidKernel {
         let (radius, nut_speed) = (si.pitch / si.ball, si.nut_speed / si.speed);
         let ball = RigidBall::new(given.sines(), radius, si.mass, nut_speed, signed);
         let first = ball.first_order();
-        let swept = ball.sweeps(&first);
+        let swept = ball.fixed_point(&first);
         let found = ball.is_covered() & first.is_accurate() & swept.is_root();
         if !found.any() {
             return found;

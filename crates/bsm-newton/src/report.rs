@@ -1,6 +1,5 @@
 //! Status, cost and steps of a Newton iteration.
 
-use std::error::Error;
 use std::fmt;
 
 use crate::Options;
@@ -49,9 +48,6 @@ impl fmt::Display for Termination {
         f.write_str(self.describe())
     }
 }
-
-/// The status can be returned as an error, unless it is [`Converged`](Self::Converged).
-impl Error for Termination {}
 
 /// One accepted Newton step.
 #[derive(Debug, Clone, Copy, PartialEq)]

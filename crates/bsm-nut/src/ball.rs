@@ -92,7 +92,7 @@ impl FourContacts {
         let (diagonals, w) = (flanks.diagonals(), Vector2::from(w));
         let grooves = &self.grooves.fitted(-w[1], oversize);
         let two_point = |i: usize| -> Option<(usize, GrooveForces)> {
-            let ball = self.series.at([SIGNS[i] * w[0], w[1]], oversize);
+            let ball = self.series.forces_at([SIGNS[i] * w[0], w[1]], oversize);
             (diagonals[i] && ball.load > 0.0).then_some((i, ball))
         };
         let two_point = two_point(0).or_else(|| two_point(1));

@@ -91,6 +91,6 @@ impl BallNut {
         let bars = compliance(self.nut_bar) + compliance(self.screw_bar);
         let spread = span(&mut shifts.into_iter()) + axial.abs() * length * bars;
         let along = (equal.displacement.abs() + spread) * alpha.cos();
-        Ok(ball.at([along, 0.0], 0.0).load)
+        Ok(ball.forces_at([along, 0.0], 0.0).load)
     }
 }

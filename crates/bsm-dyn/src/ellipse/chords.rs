@@ -43,7 +43,7 @@ impl Chords {
     ) {
         let mut square = [0.0; BLOCK];
         for i in (0..BLOCK).step_by(S::F64_LANES) {
-            let (xi, weight) = nodes.lines(simd, i);
+            let (xi, weight) = nodes.chords(simd, i);
             xi.store(&mut self.xi[i..]);
             weight.store(&mut self.weight[i..]);
             half_length(xi).store(&mut self.half_length[i..]);
@@ -61,7 +61,7 @@ impl Chords {
 /// Accumulates the contributions of the chords of the contact ellipses.
 pub(super) trait AddChords<S: Simd> {
     /// Adds the contributions of a block of chords to the sums of an ellipse.
-    fn add_chords(&mut self, simd: S, ellipse: usize, lines: &Chords);
+    fn add_chords(&mut self, simd: S, ellipse: usize, chords: &Chords);
 }
 
 /// Number of blocks of chords that are calculated before the first block is summed. The processor
@@ -80,7 +80,7 @@ pub(super) fn for_each_chord<S: Simd>(
 ) {
     let panels = Panels::of(simd, placements, slips, done);
     let mut nodes = [panels.nodes(0), panels.nodes(1)];
-    let mut frozen = [placements[0].lines().1.iter(), placements[1].lines().1.iter()];
+    let mut frozen = [placements[0].chords().1.iter(), placements[1].chords().1.iter()];
     let mut made = [Vec::new(), Vec::new()];
     let mut ready = [(0, Chords::NONE); 2 * BLOCKS_AHEAD];
     loop {
@@ -89,11 +89,11 @@ pub(super) fn for_each_chord<S: Simd>(
             let slip = slips[c].splat(simd);
             for _ in 0..BLOCKS_AHEAD {
                 let Some(nodes) = nodes[c].next() else { break };
-                let (ellipse, lines) = &mut ready[count];
+                let (ellipse, chords) = &mut ready[count];
                 *ellipse = c;
-                lines.place(simd, &nodes, &slip, (placements[c], frozen[c].next()));
+                chords.place(simd, &nodes, &slip, (placements[c], frozen[c].next()));
                 if placements[c].is_new() {
-                    made[c].push(lines.inner);
+                    made[c].push(chords.inner);
                 }
                 count += 1;
             }
@@ -101,11 +101,11 @@ pub(super) fn for_each_chord<S: Simd>(
         if count == 0 {
             break;
         }
-        for (ellipse, lines) in &ready[..count] {
-            sums.add_chords(simd, *ellipse, lines);
+        for (ellipse, chords) in &ready[..count] {
+            sums.add_chords(simd, *ellipse, chords);
         }
     }
-    for (c, lines) in made.into_iter().enumerate() {
-        placements[c].freeze(FrozenRule::Lines(panels.split[c], lines));
+    for (c, chords) in made.into_iter().enumerate() {
+        placements[c].freeze(FrozenRule::Chords(panels.split[c], chords));
     }
 }

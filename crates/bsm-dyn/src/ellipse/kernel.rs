@@ -236,7 +236,7 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         simd: S,
         of: (Placement<'_>, Option<usize>),
         slip: &EllipseSlip<Lane<S>>,
-        line: &Chord<S>,
+        chord: &Chord<S>,
     ) -> (Moments<S, N>, usize);
 
     /// Returns four groups of sums: J, K, the sums for derivatives with respect to the slip across
@@ -321,14 +321,14 @@ impl PointLaw<2> for Dry {
         simd: S,
         (nodes, inner): (Placement<'_>, Option<usize>),
         slip: &EllipseSlip<Lane<S>>,
-        line: &Chord<S>,
+        chord: &Chord<S>,
     ) -> (Moments<S, 2>, usize) {
-        let (mut sums, square) = (Moments::zero(simd), line.square(slip));
+        let (mut sums, square) = (Moments::zero(simd), chord.square(slip));
         let places = inner.map_or(&[][..], |count| &nodes.rule.inner[count]);
         if nodes.coarse {
-            Self::add_all::<S, JACOBIAN, true>(&mut sums, square, line.across, places);
+            Self::add_all::<S, JACOBIAN, true>(&mut sums, square, chord.across, places);
         } else {
-            Self::add_all::<S, JACOBIAN, false>(&mut sums, square, line.across, places);
+            Self::add_all::<S, JACOBIAN, false>(&mut sums, square, chord.across, places);
         }
         (sums, places.len())
     }
@@ -373,7 +373,7 @@ struct NearChords<'a, S: Simd, L, const N: usize, const JACOBIAN: bool> {
     rule: &'a Quadrature,
     slip: &'a EllipseSlip<Lane<S>>,
     law: &'a L,
-    line: &'a Chord<S>,
+    chord: &'a Chord<S>,
 }
 
 impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnce
@@ -383,14 +383,14 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self { simd, rule, slip, law, line } = self;
+        let Self { simd, rule, slip, law, chord } = self;
         let (near, square, (b_0, b_1)) =
-            (NearPole::of(slip, line.xi), line.square(slip), line.across);
+            (NearPole::of(slip, chord.xi), chord.square(slip), chord.across);
         let mut sums = Moments::zero(simd);
         for pair in 0..NearPole::<S>::pairs(rule) {
             for (s, weight) in near.pair(rule, pair) {
                 let inside = (-(s * s) + 1.0).max(s.constant(0.0)).sqrt();
-                let (pressed, v_c) = (law.pressed(inside * line.half_length), b_1.mul_add(s, b_0));
+                let (pressed, v_c) = (law.pressed(inside * chord.half_length), b_1.mul_add(s, b_0));
                 law.add::<S, JACOBIAN>(&mut sums, pressed, square, v_c, (s, weight));
             }
         }
@@ -417,24 +417,24 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> AddChords<S>
     for Accumulator<'_, L, N, JACOBIAN>
 {
     #[inline(always)]
-    fn add_chords(&mut self, simd: S, ellipse: usize, lines: &Chords) {
+    fn add_chords(&mut self, simd: S, ellipse: usize, chords: &Chords) {
         let (law, nodes) = (&self.laws[ellipse], self.nodes[ellipse]);
         let slip = self.slips[ellipse].splat(simd);
         for at in (0..BLOCK).step_by(S::F64_LANES) {
-            let xi = Lane::load(simd, &lines.xi[at..]);
-            let weight = Lane::load(simd, &lines.weight[at..]);
-            let line = Chord::new(&slip, xi, weight, Lane::load(simd, &lines.half_length[at..]));
+            let xi = Lane::load(simd, &chords.xi[at..]);
+            let weight = Lane::load(simd, &chords.weight[at..]);
+            let chord = Chord::new(&slip, xi, weight, Lane::load(simd, &chords.half_length[at..]));
             let (mut inner, count) =
-                law.along::<S, JACOBIAN>(simd, (nodes, lines.inner.count), &slip, &line);
+                law.along::<S, JACOBIAN>(simd, (nodes, chords.inner.count), &slip, &chord);
             self.count += count;
-            if let Some(inside) = &lines.inner.inside {
-                let (rule, slip, line) = (nodes.rule, &slip, &line);
-                let near = NearChords::<_, _, N, JACOBIAN> { simd, rule, slip, law, line };
+            if let Some(inside) = &chords.inner.inside {
+                let (rule, slip, chord) = (nodes.rule, &slip, &chord);
+                let near = NearChords::<_, _, N, JACOBIAN> { simd, rule, slip, law, chord };
                 let is_near = Lane::load(simd, &inside[at..]).above(0.0);
                 inner = inner.or(is_near, simd.vectorize(near));
                 self.count += 2 * NearPole::<S>::pairs(rule);
             }
-            self.add_line(simd, ellipse, at, &slip, (&line, inner));
+            self.add_chord(simd, ellipse, at, &slip, (&chord, inner));
         }
     }
 }
@@ -442,26 +442,26 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> AddChords<S>
 impl<L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Accumulator<'_, L, N, JACOBIAN> {
     /// Adds the sums along a block of chords to the totals.
     #[inline(always)]
-    pub(super) fn add_line<S: Simd>(
+    pub(super) fn add_chord<S: Simd>(
         &mut self,
         simd: S,
         ellipse: usize,
         at: usize,
         slip: &EllipseSlip<Lane<S>>,
-        (line, inner): (&Chord<S>, Moments<S, N>),
+        (chord, inner): (&Chord<S>, Moments<S, N>),
     ) {
         let (a, b) = self.points[ellipse].semi_axes;
         let of = ((Lane::splat(simd, a), Lane::splat(simd, b)), slip);
-        let [j, k, across, film] = L::variants(inner, line.square(slip));
-        let terms = line.terms::<JACOBIAN>(of, [j, k, across]);
+        let [j, k, across, film] = L::variants(inner, chord.square(slip));
+        let terms = chord.terms::<JACOBIAN>(of, [j, k, across]);
         add_to(simd, &mut self.values[ellipse], at, &terms[..VALUES]);
         if JACOBIAN {
             add_to(simd, &mut self.slopes[ellipse], at, &terms[VALUES..]);
         }
         if JACOBIAN && L::FILM {
-            let weight = line.weight;
+            let weight = chord.weight;
             let film = [film[0] * weight, film[1] * weight, film[2] * weight];
-            add_to(simd, &mut self.by_film[ellipse], at, &line.values(of, film)[..SUMS]);
+            add_to(simd, &mut self.by_film[ellipse], at, &chord.values(of, film)[..SUMS]);
         }
     }
 }

@@ -36,11 +36,11 @@ struct NodeCollector<'a> {
 
 impl<S: Simd> AddChords<S> for NodeCollector<'_> {
     #[inline(always)]
-    fn add_chords(&mut self, simd: S, _ellipse: usize, lines: &Chords) {
-        for (i, (xi, weight)) in lines.xi.into_iter().zip(lines.weight).enumerate() {
+    fn add_chords(&mut self, simd: S, _ellipse: usize, chords: &Chords) {
+        for (i, (xi, weight)) in chords.xi.into_iter().zip(chords.weight).enumerate() {
             let half_length = half_length(xi);
             let mut add = |s: f64, part: f64| self.nodes.push((xi, half_length * s, weight * part));
-            if lines.inner.inside.is_some_and(|inside| inside[i] > 0.0) {
+            if chords.inner.inside.is_some_and(|inside| inside[i] > 0.0) {
                 let near = NearPole::of(&self.slip.splat(simd), Lane::<S>::splat(simd, xi));
                 for (s, part) in
                     (0..NearPole::<S>::pairs(self.rule)).flat_map(|pair| near.pair(self.rule, pair))
@@ -56,7 +56,7 @@ impl<S: Simd> AddChords<S> for NodeCollector<'_> {
                     add(s, part);
                     add(-s, part);
                 }
-            } else if let Some(count) = lines.inner.count {
+            } else if let Some(count) = chords.inner.count {
                 self.rule.inner[count].iter().for_each(|(s, part)| add(*s, *part));
             }
         }

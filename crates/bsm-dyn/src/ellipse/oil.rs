@@ -127,7 +127,7 @@ impl<S: Simd> HalfChord<S> {
         let one = xi.constant(1.0);
         let (at, pole_distance) = bend.line_pressure(square, half_length);
         // ζ = t √(2 − t²) gives the position t* and the width of the transition. In the middle of
-        // the line, the width is √(pole distance)/2.
+        // the chord, the width is √(pole distance)/2.
         let inside = at.min(one);
         let rest = (-(inside * inside) + 1.0).max(one.constant(0.0)).sqrt();
         let at_t = inside / (rest + 1.0).sqrt();
@@ -256,13 +256,13 @@ impl PointLaw<4> for OilLaw {
         simd: S,
         (nodes, _): (Placement<'_>, Option<usize>),
         slip: &EllipseSlip<Lane<S>>,
-        line: &Chord<S>,
+        chord: &Chord<S>,
     ) -> (Moments<S, 4>, usize) {
-        let (mut sums, square) = (Moments::zero(simd), line.square(slip));
-        let (half, (b_0, b_1)) = (HalfChord::of(&self.bend, slip, line.xi), line.across);
+        let (mut sums, square) = (Moments::zero(simd), chord.square(slip));
+        let (half, (b_0, b_1)) = (HalfChord::of(&self.bend, slip, chord.xi), chord.across);
         for k in 0..nodes.rule.half.len() {
             let HalfNode { s, pressure, weight } = half.node(nodes.rule.half.at(k));
-            let pressed = self.pressed(pressure * line.half_length);
+            let pressed = self.pressed(pressure * chord.half_length);
             let turned = b_1 * s;
             self.add::<S, JACOBIAN>(&mut sums, pressed, square, b_0 + turned, (s, weight));
             self.add::<S, JACOBIAN>(&mut sums, pressed, square, b_0 - turned, (-s, weight));
@@ -308,15 +308,15 @@ impl PointLaw<4> for OilLaw {
             };
             for first in (0..cos.len()).step_by(S::F64_LANES) {
                 let xi = radius * Lane::load(simd, &cos[first..]);
-                // The ring intersects the line at two nodes, which are treated as the ends of the
-                // line.
+                // The ring intersects the chord at two nodes, which are treated as the ends of the
+                // chord.
                 let half_length = radius * Lane::load(simd, &sin[first..]);
-                let line = Chord::new(&slip, xi, one, half_length);
-                let ((b_0, b_1), square) = (line.across, line.square(&slip));
+                let chord = Chord::new(&slip, xi, one, half_length);
+                let ((b_0, b_1), square) = (chord.across, chord.square(&slip));
                 let mut inner = Moments::zero(simd);
                 law.add::<S, JACOBIAN>(&mut inner, pressed, square, b_0 + b_1, (one, weight));
                 law.add::<S, JACOBIAN>(&mut inner, pressed, square, b_0 - b_1, (-one, weight));
-                sums.add_line(simd, ellipse, first % BLOCK, &slip, (&line, inner));
+                sums.add_chord(simd, ellipse, first % BLOCK, &slip, (&chord, inner));
             }
         }
         sums.count += 2 * rings.count * cos.len() / S::F64_LANES;

@@ -127,7 +127,7 @@ impl<'a> Panels<'a> {
     /// split at its pole if the pole is within the panel and counts as inside the ellipse.
     #[inline(always)]
     fn add(&mut self, ellipse: usize, nodes: Placement<'a>, poles: [(Pole<f64>, f64); 2]) {
-        let (rule, (frozen, _)) = (nodes.rule, nodes.lines());
+        let (rule, (frozen, _)) = (nodes.rule, nodes.chords());
         let middle = clamp(0.5 * (poles[0].0.at + poles[1].0.at), -1.0, 1.0);
         for (i, (low, high)) in [(-1.0, middle), (middle, 1.0)].into_iter().enumerate() {
             let (pole, square) = poles[i];
@@ -217,31 +217,31 @@ impl Nodes {
     /// Returns the positions of a block of chords on the long axis, starting with chord `i`, and
     /// the fraction of the load that each chord carries.
     #[inline(always)]
-    pub(super) fn lines<S: Simd>(&self, simd: S, i: usize) -> (Lane<S>, Lane<S>) {
+    pub(super) fn chords<S: Simd>(&self, simd: S, i: usize) -> (Lane<S>, Lane<S>) {
         let Self { abscissa, part, from, length, at, width } = self;
         let (at, width) = (Lane::load(simd, &at[i..]), Lane::load(simd, &width[i..]));
         let (from, length) = (Lane::load(simd, &from[i..]), Lane::load(simd, &length[i..]));
         let (abscissa, part) = (Lane::load(simd, &abscissa[i..]), Lane::load(simd, &part[i..]));
-        line(&Pole { at, width }, from + length * abscissa, length * part)
+        chord(&Pole { at, width }, from + length * abscissa, length * part)
     }
 }
 
 /// Returns the position of a chord on the long axis and the fraction of the load that this chord
 /// carries. The arguments are a node in the variable of (T17) and the weight of this node.
 #[inline(always)]
-pub(super) fn line<S: Simd, const N: usize>(
+pub(super) fn chord<S: Simd, const N: usize>(
     pole: &Pole<Lane<S, N>>,
     tau: Lane<S, N>,
     weight: Lane<S, N>,
 ) -> (Lane<S, N>, Lane<S, N>) {
     let grow = tau.exp();
-    line_at(pole, (grow, grow.recip()), weight)
+    chord_at(pole, (grow, grow.recip()), weight)
 }
 
-/// Returns the same values as [`line`], calculated from the exponential of the variable in (T17)
+/// Returns the same values as [`chord`], calculated from the exponential of the variable in (T17)
 /// and the reciprocal of this exponential.
 #[inline(always)]
-pub(super) fn line_at<S: Simd, const N: usize>(
+pub(super) fn chord_at<S: Simd, const N: usize>(
     pole: &Pole<Lane<S, N>>,
     (grow, fall): (Lane<S, N>, Lane<S, N>),
     weight: Lane<S, N>,

@@ -17,7 +17,7 @@ pub(crate) enum FrozenRule {
     /// Number of blocks of angles on half a ring, for integration on rings.
     Rings(usize),
     /// Flags that mark the poles at which a panel is split, and the nodes of all chords.
-    Lines([bool; 2], Vec<InnerNodes>),
+    Chords([bool; 2], Vec<InnerNodes>),
 }
 
 /// Numbers of nodes along a block of neighboring chords.
@@ -51,9 +51,9 @@ impl<'a> Placement<'a> {
     /// Returns the node counts that an earlier evaluation has fixed: flags that mark the poles at
     /// which a panel is split, and the nodes of each chord. If no node counts are fixed for chords,
     /// the flags are `None` and the list is empty.
-    pub(super) fn lines(&self) -> (Option<[bool; 2]>, &'a [InnerNodes]) {
+    pub(super) fn chords(&self) -> (Option<[bool; 2]>, &'a [InnerNodes]) {
         match self.frozen() {
-            Some(FrozenRule::Lines(split, lines)) => (Some(*split), lines),
+            Some(FrozenRule::Chords(split, chords)) => (Some(*split), chords),
             _ => (None, &[]),
         }
     }
@@ -75,7 +75,7 @@ impl<'a> Placement<'a> {
             return InnerNodes { count: rule.count(least).or(Some(UNRESOLVED)), inside: None };
         }
         if rule.is_dry() {
-            // Nodes that are concentrated at a spin pole are also accurate for lines without a spin
+            // Nodes that are concentrated at a spin pole are also accurate for chords without a spin
             // pole, so they are used for the whole block.
             return InnerNodes { count: None, inside: Some([1.0; BLOCK]) };
         }
@@ -105,7 +105,7 @@ impl<'a> Placement<'a> {
     pub(super) fn angle_blocks(&self, slip: &EllipseSlip<f64>) -> usize {
         match self.frozen() {
             Some(FrozenRule::Rings(blocks)) => *blocks,
-            Some(FrozenRule::Lines(..)) => 0,
+            Some(FrozenRule::Chords(..)) => 0,
             None => self.rule.angle_blocks(slip),
         }
     }

@@ -8,7 +8,7 @@ use bsm_simd::{BLOCK, Lane, Mask, Simd};
 use super::Quadrature;
 use super::kernel::{Dry, Patch, sums};
 use super::oil::OilLaw;
-use super::panels::line;
+use super::panels::chord;
 use super::placement::Placement;
 use super::slip::{EllipseSlip, clamp};
 use crate::contact::MixedFriction;
@@ -33,17 +33,17 @@ pub fn power_of_many<S: Simd, const N: usize>(
     for (pole, [low, high]) in poles.iter().zip(ends) {
         let from = ((low - pole.at) / pole.width).arsinh();
         let length = ((high - pole.at) / pole.width).arsinh() - from;
-        let (mut lines, mut square) = ([(zero, zero); BLOCK], zero.constant(f64::INFINITY));
-        for (node, of_node) in lines.iter_mut().enumerate() {
+        let (mut chords, mut square) = ([(zero, zero); BLOCK], zero.constant(f64::INFINITY));
+        for (node, of_node) in chords.iter_mut().enumerate() {
             let (abscissa, part) = rule.panel.at(node);
-            *of_node = line(pole, length * abscissa + from, length * part);
+            *of_node = chord(pole, length * abscissa + from, length * part);
             square = square.min(slip.analyticity(of_node.0));
         }
         // Panels of zero length contribute nothing, and a pole at the end of a panel does not split
         // it.
         let within = low.lt(pole.at) & pole.at.lt(high);
         resolved = resolved & (!within | least.le(slip.analyticity(pole.at))) & least.le(square);
-        power = add_power(rule, slip, &lines, square, power);
+        power = add_power(rule, slip, &chords, square, power);
     }
     (power, resolved)
 }
@@ -53,14 +53,14 @@ const MAX_CONTACTS: usize = 4 * BLOCK;
 
 /// Adds the friction power along the chords of one panel.
 ///
-/// * `lines`: positions of the chords on the long axis, and fractions of the load that the chords
+/// * `chords`: positions of the chords on the long axis, and fractions of the load that the chords
 ///   carry.
 /// * `square`: smallest `$\sinh^2\eta$` of the chords (T18).
 #[inline(always)]
 fn add_power<S: Simd, const N: usize>(
     rule: &Quadrature,
     slip: &EllipseSlip<Lane<S, N>>,
-    lines: &[(Lane<S, N>, Lane<S, N>); BLOCK],
+    chords: &[(Lane<S, N>, Lane<S, N>); BLOCK],
     square: Lane<S, N>,
     mut power: Lane<S, N>,
 ) -> Lane<S, N> {
@@ -70,7 +70,7 @@ fn add_power<S: Simd, const N: usize>(
         most = most.max(inner.len());
     }
     for k in 0..most {
-        // Each contact has its own nodes along the lines. Unused nodes have zero weights.
+        // Each contact has its own nodes along the chords. Unused nodes have zero weights.
         let (mut abscissae, mut parts) = ([0.0; MAX_CONTACTS], [0.0; MAX_CONTACTS]);
         for (i, inner) in inner[..Lane::<S, N>::LEN].iter().enumerate() {
             if let Some((abscissa, part)) = inner.get(k) {
@@ -78,7 +78,7 @@ fn add_power<S: Simd, const N: usize>(
             }
         }
         let (s, part) = (power.load_like(&abscissae), power.load_like(&parts));
-        for (xi, weight) in *lines {
+        for (xi, weight) in *chords {
             let (v_t, (b_0, b_1)) = (slip.along(xi), slip.across(xi));
             let v_c = b_0 + b_1 * s;
             let square = v_t * v_t + v_c * v_c;

@@ -294,7 +294,7 @@ impl Quadrature {
         Self::with(part_of_panel(Self::nodes(accuracy)), accuracy, 1)
     }
 
-    /// Creates a rule with `nodes` nodes per panel. Along each line, it has as many nodes as an
+    /// Creates a rule with `nodes` nodes per panel. Along each chord, it has as many nodes as an
     /// error of `tolerance` requires, plus `more` nodes (at most [`MAX_EXTRA_NODES`]).
     pub(crate) fn with(nodes: usize, tolerance: f64, more: usize) -> Self {
         let part = Gauss::of(part_of_panel(nodes));

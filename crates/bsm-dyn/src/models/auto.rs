@@ -11,7 +11,7 @@ use crate::models::ball::{
 };
 use crate::models::elastic::{Elastic, SlidingBall};
 use crate::models::raceway_control::{RacewayControl, RollingBall};
-use crate::models::traction::{Integrated, SlipRoot, Start, Traction};
+use crate::models::traction::{Integrated, RollingStart, SlipRoot, Traction};
 use crate::models::workspace::ModelWorkspace;
 use crate::outcome::Status;
 
@@ -41,7 +41,8 @@ impl Auto {
             Err(invalid) => return Solution::new(Model::RacewayControl, Err(invalid)).into(),
         };
         let rolling_ball = work.raceway.rolling_ball(&contacts, None).ok();
-        let known = rolling_ball.and_then(|ball| self.outside_partial_skid(&contacts, ball, work));
+        let known =
+            rolling_ball.as_ref().and_then(|ball| self.outside_partial_skid(&contacts, ball, work));
         let solution =
             known.as_ref().and_then(|known| match known.errors.basis(self.tolerance)? {
                 Basis::Rolling { .. } => {
@@ -70,12 +71,12 @@ impl Auto {
         })
     }
 
-    /// Calculates the steady state of a rolling ball with its error bounds. Returns `None` if an
-    /// error bound is undefined or the ball is in partial skid.
+    /// Calculates the steady state of a rolling ball with its error bounds. Returns `None` if the
+    /// ball is in partial skid, if the solve fails, or if an error bound is undefined.
     fn outside_partial_skid(
         &self,
         contacts: &ElasticContacts,
-        ball: RollingBall,
+        ball: &RollingBall,
         work: &mut ModelWorkspace,
     ) -> Option<RollingState> {
         let onset_number = ball.skid(contacts).onset_number()?;
@@ -84,9 +85,9 @@ impl Auto {
             // bound of raceway control is small.
             return None;
         }
-        let solved = work.raceway.steady_state(&self.screw, contacts, &ball).ok()?;
+        let solved = work.raceway.steady_state(&self.screw, contacts, ball).ok()?;
         let errors = ModelErrors::of_ball(contacts, &solved)?;
-        Some(RollingState { ball, solved, errors })
+        Some(RollingState { ball: *ball, solved, errors })
     }
 
     /// Returns the solution of raceway control.
@@ -134,7 +135,7 @@ impl Auto {
         self.screw.point.require_friction()?;
         let traction =
             Traction { screw: self.screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
-        let start = Start::new(contacts, rolling_ball)?;
+        let start = RollingStart::new(contacts, rolling_ball)?;
         let Integrated { found, accuracy, error } =
             traction.solve_to(&start, self.tolerance, &mut work.traction)?;
         let basis = Basis::Integrated { accuracy };

@@ -7,10 +7,10 @@ mod ball;
 mod branch;
 mod equations;
 mod first_order;
+mod fixed_point;
 mod root;
 mod sensitivities;
 mod sweep;
-mod sweeps;
 
 use bsm_kin::{Motion, Over, Real, Scalar};
 use bsm_newton::EvalError;
@@ -19,9 +19,9 @@ pub use self::ball::{Plane, RigidBall, RigidMotion};
 use self::equations::RigidEquations;
 pub use self::equations::Unknowns;
 pub use self::first_order::FirstOrder;
+pub use self::fixed_point::FixedPoint;
 use self::root::BallRoot;
 pub use self::root::RigidWorkspace;
-pub use self::sweeps::Sweeps;
 use crate::contact::Angles;
 use crate::models::ball::{
     BALL_UNKNOWNS, BallState, ContactState, EQUATION_NAMES, Model, OperatingPoint, ResultUnits,

@@ -64,7 +64,7 @@ impl<D: Scalar> StaticBall<D> {
     /// * `oversize`: excess of the ball radius over the nominal radius \[m\].
     ///
     /// Assumes: no inertia, and no contact at the far flanks of gothic arches.
-    pub fn at(&self, [along_b, along_n]: [D; 2], oversize: D) -> GrooveForces<D> {
+    pub fn forces_at(&self, [along_b, along_n]: [D; 2], oversize: D) -> GrooveForces<D> {
         let [sin, cos] = self.unloaded;
         let (l, zero) = (self.distance, D::from(0.0));
         // G = (l_A0 + l_B0)(sinβ₀, cosβ₀) + w                             (J10)
@@ -120,7 +120,7 @@ impl StaticBall {
             return Err(domain_error);
         }
         let cos_a = lead_angle.cos();
-        let at = |u: f64| self.at([u * cos_a, 0.0], 0.0);
+        let at = |u: f64| self.forces_at([u * cos_a, 0.0], 0.0);
         // The displacement at which the ball would carry the load at the unloaded contact angle is
         // an upper limit.
         let max_displacement =
@@ -198,10 +198,10 @@ mod tests {
     #[test]
     fn ball_with_clearance_carries_no_load_and_tensile_ball_load_is_rejected() {
         let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
-        let loose = ball.at([-1e-6, -1e-6], 0.0);
+        let loose = ball.forces_at([-1e-6, -1e-6], 0.0);
         assert_eq!((loose.load, loose.energy, loose.force), (0.0, 0.0, [0.0; 2]));
         // If the radius of the ball is 1 µm larger, the ball has no gap and carries a load.
-        assert!(ball.at([-1e-6, -1e-6], 1e-6).load > 0.0);
+        assert!(ball.forces_at([-1e-6, -1e-6], 1e-6).load > 0.0);
         assert!(ball.under_axial_load(-1.0, 0.1).is_err());
     }
 
@@ -212,7 +212,7 @@ mod tests {
             along_b in -1e-5..5e-5_f64, along_n in -1e-5..5e-5_f64, oversize in 0.0..5e-6_f64,
         ) {
             let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
-            let exact = ball.at([along_b, along_n], oversize);
+            let exact = ball.forces_at([along_b, along_n], oversize);
             prop_assume!(exact.load > 0.0);
             let lift = |x: f64| Jet::<2>::from(x);
             let jets = StaticBall {
@@ -221,7 +221,7 @@ mod tests {
                 stiffness: lift(ball.stiffness),
             };
             let w = [Jet::variable(along_b, 0), Jet::variable(along_n, 1)];
-            let moved = jets.at(w, lift(oversize));
+            let moved = jets.forces_at(w, lift(oversize));
             let size = exact.force[0].hypot(exact.force[1]);
             let stiff = exact.slope[0][0] + exact.slope[1][1];
             for i in 0..2 {

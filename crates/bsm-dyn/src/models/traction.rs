@@ -16,7 +16,7 @@ mod train;
 
 pub(crate) use self::equations::{COARSE_ACCURACY, COARSE_RESIDUAL, SEARCH_ACCURACY, turned};
 use self::equations::{ROOT_RESIDUAL, SlipBall};
-use self::root::RootWithPower;
+use self::root::RefinedRoot;
 pub(crate) use self::root::SlipRoot;
 pub use self::train::{TrainBall, TrainMotion};
 use crate::ellipse::{RulePair, Rules};
@@ -69,12 +69,12 @@ impl Traction {
     }
 
     /// Finds the root, starting from the solution for a rolling ball, and its steady state.
-    fn root(&self, work: &mut TractionWorkspace) -> Result<SlipResult, SolveFailure> {
+    fn root(&self, work: &mut TractionWorkspace) -> Result<FoundRoot, SolveFailure> {
         self.screw.point.require_friction()?;
         let contacts = self.screw.scaled()?;
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
-        let start = Start::new(&contacts, rolling_ball.ok().as_ref())?;
-        self.found(&start, None, work).map_err(NotFound::failure)
+        let start = RollingStart::new(&contacts, rolling_ball.ok().as_ref())?;
+        self.find(&start, None, work).map_err(NotFound::failure)
     }
 
     /// Solves with increasingly accurate quadratures until the error bound of the efficiency is at
@@ -86,16 +86,16 @@ impl Traction {
     /// this root is the starting value for the next quadrature.
     pub(crate) fn solve_to(
         &self,
-        start: &Start<'_>,
+        start: &RollingStart<'_>,
         tolerance: f64,
         work: &mut TractionWorkspace,
     ) -> Result<Integrated, SolveFailure> {
-        let bound = |found: &SlipResult| {
+        let bound = |found: &FoundRoot| {
             integrated_error(found.error, found.solved.transmission.efficiency, found.by_creep)
         };
         let [first, finer @ ..] = Self::ACCURACIES;
         let mut case = Self { accuracy: first, ..*self };
-        let mut found = case.found(start, None, work);
+        let mut found = case.find(start, None, work);
         for accuracy in finer {
             let from = match &found {
                 Ok(found) if bound(found) <= tolerance => break,
@@ -104,7 +104,7 @@ impl Traction {
                 Err(_) => break,
             };
             let finer = Self { accuracy, ..case };
-            match (finer.found(start, Some(&from), work), &mut found) {
+            match (finer.find(start, Some(&from), work), &mut found) {
                 (Ok(mut next), former) => {
                     let before = match former {
                         Ok(former) => former.solved.info.map_or(0, |info| info.steps),
@@ -129,12 +129,12 @@ impl Traction {
 
     /// Finds the root and its steady state. If `from` is given, it is a root for a different
     /// quadrature and serves as the starting value.
-    fn found(
+    fn find(
         &self,
-        Start { contacts, rolling_ball }: &Start<'_>,
+        RollingStart { contacts, rolling_ball }: &RollingStart<'_>,
         from: Option<&SlipRoot>,
         work: &mut TractionWorkspace,
-    ) -> Result<SlipResult, NotFound> {
+    ) -> Result<FoundRoot, NotFound> {
         let TractionWorkspace { newton, rules, .. } = work;
         let pairs = rules.dry([COARSE_ACCURACY, SEARCH_ACCURACY, self.accuracy]);
         let creep = self.creep * contacts.slip_scale();
@@ -169,7 +169,7 @@ impl Traction {
                 refined.ok_or_else(lost)?
             }
         };
-        let RootWithPower { root, transmitted, torque_slope, .. } = refined;
+        let RefinedRoot { root, transmitted, torque_slope, .. } = refined;
         let tractions = [NUT_LOAD, SCREW_LOAD].map(|load| contacts.friction * root.unknowns[load]);
         let by_creep = creep_effect(creep, tractions, transmitted.sliding.map(f64::abs));
         let steady = self.steady(&ball, &refined)?;
@@ -183,7 +183,7 @@ impl Traction {
             error: Some(ErrorBound::of(contacts.direction, efficiency, error)),
             ..steady
         };
-        Ok(SlipResult { solved, root, error, by_creep })
+        Ok(FoundRoot { solved, root, error, by_creep })
     }
 
     /// Converts a root into a steady state in SI units.
@@ -192,9 +192,9 @@ impl Traction {
     fn steady(
         &self,
         ball: &SlipBall<'_>,
-        found: &RootWithPower,
+        found: &RefinedRoot,
     ) -> Result<SteadyState, SolveFailure> {
-        let RootWithPower { root, transmitted, loaded, .. } = found;
+        let RefinedRoot { root, transmitted, loaded, .. } = found;
         let to_nut = ball.of(root).motion_to_nut(&root.unknowns, loaded);
         let state = self.screw.ball_state(ball.contacts, loaded, &to_nut, true)?;
         let transmission = self.screw.transmission_at(transmitted.torque, transmitted.power)?;
@@ -250,12 +250,12 @@ fn are_equal(one: &SteadyState, other: &SteadyState) -> bool {
 
 /// An operating point and the solution for a rolling ball at this point. The solver starts from the
 /// rolling ball unless it already knows a root for another quadrature rule.
-pub(crate) struct Start<'a> {
+pub(crate) struct RollingStart<'a> {
     contacts: &'a ElasticContacts,
     rolling_ball: RollingBall,
 }
 
-impl<'a> Start<'a> {
+impl<'a> RollingStart<'a> {
     /// Creates the starting value from the solution for a rolling ball, or from an estimate if
     /// there is no rolling ball.
     pub(crate) fn new(
@@ -276,7 +276,7 @@ impl<'a> Start<'a> {
 }
 
 /// A root of the traction equations together with its steady state.
-pub(crate) struct SlipResult {
+pub(crate) struct FoundRoot {
     pub(crate) solved: SteadyState,
     pub(crate) root: SlipRoot,
     /// Error bound of the efficiency due to quadrature (T25) (dimensionless).
@@ -288,7 +288,7 @@ pub(crate) struct SlipResult {
 
 /// A root of the traction equations that was found with increasingly accurate quadratures.
 pub(crate) struct Integrated {
-    pub(crate) found: SlipResult,
+    pub(crate) found: FoundRoot,
     /// Accuracy of the quadrature with which the root was found.
     pub(crate) accuracy: f64,
     /// Error bound of the efficiency, which includes the effect of the creep speed (dimensionless).

@@ -3,7 +3,7 @@
 //! contact.
 
 use bsm_case::InputKey;
-use bsm_dyn::lanes::{BallOrbit, EhlPoint, EhlUnits, FilmLoss, ScaledFilm};
+use bsm_dyn::lanes::{BallOrbit, EhlPoint, EhlUnits, FilmLoss, LubricatedScrew, ScaledFilm};
 use bsm_dyn::{
     hertz::Hertz,
     lubrication::{FilmState, Lubricant, OutsidePower, Temperature, ZERO_CELSIUS},
@@ -111,14 +111,8 @@ impl<S: Simd> OilLane<S> {
 
     /// Returns film thicknesses, losses and other film results in SI units.
     #[inline(always)]
-    pub(super) fn state(
-        &self,
-        units: &Units<S>,
-        balls: Lane<S>,
-        of: (Mask<S>, Lane<S>, Lane<S>),
-    ) -> FilmState<Lane<S>> {
-        let unit = units.ball * units.speed.abs() * units.axial;
-        self.ehl.state(&self.losses, (unit, balls), self.outside, of)
+    pub(super) fn state(&self, screw: LubricatedScrew<Lane<S>>) -> FilmState<Lane<S>> {
+        self.ehl.state(&self.losses, screw)
     }
 }
 
@@ -154,7 +148,8 @@ fn loss<S: Simd>(
         unit: slip * *load,
         rolling: ScaledFilm::rolling_resistance_power(resistance, *speed, *around),
         semi_axes: (*a * ball, *b * ball),
-        ratio_and_load_parameter: [slip.constant(f64::NAN); 2],
+        min_to_central_ratio: slip.constant(f64::NAN),
+        load_parameter: slip.constant(f64::NAN),
         film,
     }
 }

@@ -53,25 +53,43 @@ impl<D> MixedFriction<D> {
     }
 }
 
+/// Friction properties of an oil at its temperature.
+pub(crate) struct OilFriction<'a, D> {
+    /// Viscosity and pressure parameters of the oil.
+    pub(crate) state: &'a OilState<D>,
+    /// Limiting shear stress divided by the pressure, `$\Lambda$`.
+    pub(crate) limiting_shear: D,
+    /// Friction coefficient of the asperity contacts, `$\mu_b$`.
+    pub(crate) boundary: D,
+}
+
+/// Oil film of a loaded contact.
+pub(crate) struct LoadedFilm<D> {
+    /// Central film thickness \[m\].
+    pub(crate) thickness: D,
+    /// Share of the load that asperities carry, `$\xi$`.
+    pub(crate) asperity_share: D,
+    /// Maximum pressure in the contact \[Pa\].
+    pub(crate) max_pressure: D,
+}
+
 impl<D: Real> MixedFriction<D> {
-    /// Creates the friction law of an oil film with a given thickness \[m\].
+    /// Creates the friction law of an oil film.
     ///
     /// * `speed_unit`: unit in which slip speeds are given \[m/s\].
     #[inline(always)]
-    pub(crate) fn of<P: Real>(
-        (oil, limiting_shear, boundary): (&OilState<P>, P, P),
-        (film, asperity_share, max_pressure): (D, D, D),
-        speed_unit: P,
-    ) -> Self
+    pub(crate) fn of<P: Real>(oil: &OilFriction<'_, P>, film: &LoadedFilm<D>, speed_unit: P) -> Self
     where
         D: RealOver<P>,
     {
-        let zero = film.constant(0.0);
-        let (limiting_shear, boundary) = (zero + limiting_shear, zero + boundary);
+        let OilFriction { state, limiting_shear, boundary } = oil;
+        let &LoadedFilm { thickness, asperity_share, max_pressure } = film;
+        let zero = thickness.constant(0.0);
+        let (limiting_shear, boundary) = (zero + *limiting_shear, zero + *boundary);
         // τ_E = 2 Λ (a_p + b_p p_max)                                     (Y10)
-        let pressure_scale = zero + oil.pressure_scale;
+        let pressure_scale = zero + state.pressure_scale;
         let eyring_stress = (max_pressure * PRESSURE_SLOPE + pressure_scale) * limiting_shear * 2.0;
-        let shear = (film * eyring_stress).recip() * (oil.viscosity * speed_unit);
+        let shear = (thickness * eyring_stress).recip() * (state.viscosity * speed_unit);
         Self {
             asperity_share,
             boundary,

@@ -11,8 +11,8 @@ use nalgebra::Vector3;
 use super::elastic_ball::{BallLoads, ElasticContacts, ElasticPoint, to_both};
 use super::state::{ControllingRaceway, SkidNumbers, SolveInfo};
 use crate::contact::{
-    ContactFilm, Curvatures, FilmState, Hertz, Lubricant, MixedFriction, OilState, OutsidePower,
-    Roughness, Wrench,
+    ContactFilm, Curvatures, FilmState, Hertz, LoadedFilm, Lubricant, MixedFriction, OilFriction,
+    OilState, OutsidePower, Roughness, Wrench,
 };
 use crate::ellipse::{Integrate, Placement, Rules, lubricated_friction};
 use crate::outcome::SolveFailure;
@@ -158,8 +158,12 @@ impl<P: Real> EhlPoint<P> {
         let short = semi_axis * constants.flatness;
         let max_pressure = force * 1.5 / (semi_axis * short * PI);
         let law = MixedFriction::of(
-            (oil, lubricant.oil.limiting_shear, lubricant.boundary_friction),
-            (thickness, share, max_pressure),
+            &OilFriction {
+                state: oil,
+                limiting_shear: lubricant.oil.limiting_shear,
+                boundary: lubricant.boundary_friction,
+            },
+            &LoadedFilm { thickness, asperity_share: share, max_pressure },
             units.speed,
         );
         let rolling = constants.rolling_force(log_rate, weight, semi_axis) * heating;
@@ -193,21 +197,16 @@ pub struct FilmLoss<F = f64> {
     pub rolling: F,
     /// Semi-axes across and along the groove \[m\].
     pub semi_axes: (F, F),
-    /// Ratio of minimum to central film thickness (Y36) and load parameter `$M$` (Y17), calculated
-    /// only if requested.
-    pub ratio_and_load_parameter: [F; 2],
+    /// Ratio of minimum to central film thickness (Y36), NaN if it was not requested.
+    pub min_to_central_ratio: F,
+    /// Load parameter `$M$` (Y17), NaN if it was not requested.
+    pub load_parameter: F,
 }
 
 impl<F: Real> FilmLoss<F> {
     #[inline(always)]
     fn film(&self, units: &EhlUnits<F>) -> ContactFilm<F> {
-        let Self {
-            film,
-            sliding,
-            unit,
-            ratio_and_load_parameter: [min_to_central_ratio, load_parameter],
-            ..
-        } = *self;
+        let Self { film, sliding, unit, min_to_central_ratio, load_parameter, .. } = *self;
         ContactFilm {
             thickness: film.thickness,
             ratio: film.ratio,
@@ -223,23 +222,31 @@ impl<F: Real> FilmLoss<F> {
     }
 }
 
+/// Quantities of a lubricated screw that the state of its oil films depends on.
+#[derive(Debug, Clone, Copy)]
+pub struct LubricatedScrew<F: Real> {
+    /// Unit of power for all balls \[W\].
+    pub power_unit: F,
+    /// Number of balls.
+    pub balls: F,
+    /// Power losses outside the contacts \[W\].
+    pub outside: OutsidePower<F>,
+    /// True if the load back-drives the screw.
+    pub back: F::Mask,
+    /// Tangent of the lead angle.
+    pub tan_a: F,
+    /// Efficiency of the screw.
+    pub efficiency: F,
+}
+
 impl<F: Real> EhlPoint<F> {
     /// Returns the state of the oil films at the nut and the screw with the power losses of all
     /// balls, in SI units.
     ///
     /// * `losses`: oil films and power losses of the contacts at the nut and the screw.
-    /// * `(unit, balls)`: unit of power for all balls \[W\], and number of balls.
-    /// * `outside`: power losses outside the contacts \[W\].
-    /// * `(back, tan_a, efficiency)`: mask that is true if the load back-drives the screw, tangent
-    ///   of the lead angle, and efficiency.
     #[inline(always)]
-    pub fn state(
-        &self,
-        losses: &[FilmLoss<F>; 2],
-        (unit, balls): (F, F),
-        outside: OutsidePower<F>,
-        (back, tan_a, efficiency): (F::Mask, F, F),
-    ) -> FilmState<F> {
+    pub fn state(&self, losses: &[FilmLoss<F>; 2], of: LubricatedScrew<F>) -> FilmState<F> {
+        let LubricatedScrew { power_unit: unit, balls, outside, back, tan_a, efficiency } = of;
         let [nut, screw] = losses;
         let sliding_power = (nut.sliding + screw.sliding) * unit;
         let rolling_power = (nut.rolling + screw.rolling) * unit;

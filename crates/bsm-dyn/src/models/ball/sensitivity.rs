@@ -80,3 +80,46 @@ pub(crate) fn inertia_limit<D: Scalar, E>(
     // T(1) = T(k) + (T(k) − T(2k))(1 − 1/k)                               (V5)
     Ok(at(factor)?.extrapolated(&at(2.0 * factor)?, 1.0 - factor.recip()))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    /// Returns a performance whose efficiency and torque depend linearly on the inertia.
+    fn linear(factor: f64) -> Performance<f64> {
+        Performance { efficiency: 0.9 - 1e-4 * factor, screw_torque: Some(2.0 + 3e-3 * factor) }
+    }
+
+    #[test]
+    fn extrapolation_to_the_actual_inertia_is_exact_for_linear_functions() {
+        for factor in [1.5, 10.0, 1e4] {
+            let mut factors = Vec::new();
+            let found = inertia_limit(factor, |factor| {
+                factors.push(factor);
+                Ok::<_, Infallible>(linear(factor))
+            });
+            let (Ok(found), expected) = (found, linear(1.0));
+            assert_eq!(factors, [factor, 2.0 * factor]);
+            // The values at the far point are up to 30 times as large as the result.
+            assert_relative_eq!(found.efficiency, expected.efficiency, max_relative = 1e-13);
+            let torques = found.screw_torque.zip(expected.screw_torque).expect("two torques");
+            assert_relative_eq!(torques.0, torques.1, max_relative = 1e-13);
+        }
+    }
+
+    #[test]
+    fn sufficient_inertia_is_evaluated_once_without_extrapolation() {
+        for factor in [0.0, 0.5, 1.0] {
+            let mut factors = Vec::new();
+            let found = inertia_limit(factor, |factor| {
+                factors.push(factor);
+                Ok::<_, Infallible>(linear(factor))
+            });
+            assert_eq!((found, factors), (Ok(linear(1.0)), vec![1.0]));
+        }
+    }
+}

@@ -12,8 +12,8 @@ use crate::contact::{BallOrbit, Lubricant, OutsidePower, Temperature, ZERO_CELSI
 use crate::ellipse::{Integrate, Placement, Quadrature};
 use crate::models::ball::{
     BallLoads, BallState, EhlLoss, EhlPoint, ElasticContacts, ElasticPoint, ErrorBound, Evidence,
-    FilmLoss, LubricatedState, Model, Reason, ResultUnits, Solution, SolveFailure, SteadyRoot,
-    SteadyState, Transmission, to_both,
+    FilmLoss, LubricatedScrew, LubricatedState, Model, Reason, ResultUnits, Solution, SolveFailure,
+    SteadyRoot, SteadyState, Transmission, to_both,
 };
 use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::{Traction, TrainBall};
@@ -277,15 +277,19 @@ impl LubricatedBall {
                 unit: found.unit[i],
                 rolling: *rolling,
                 semi_axes: contacts.hertz[i].semi_axes(load * ehl.units.load),
-                ratio_and_load_parameter: [
-                    ehl.min_to_central_ratio(i, load, film),
-                    ehl.load_parameter(i, load, film),
-                ],
+                min_to_central_ratio: ehl.min_to_central_ratio(i, load, film),
+                load_parameter: ehl.load_parameter(i, load, film),
             }
         });
-        let tan = screw.point.helix.lead_angle.tan();
-        let efficiency = (contacts.direction.is_back(), tan, transmission.efficiency);
-        let film = ehl.state(&films, (unit * speed, screw.point.load.balls), outside, efficiency);
+        let lubricated = LubricatedScrew {
+            power_unit: unit * speed,
+            balls: screw.point.load.balls,
+            outside,
+            back: contacts.direction.is_back(),
+            tan_a: screw.point.helix.lead_angle.tan(),
+            efficiency: transmission.efficiency,
+        };
+        let film = ehl.state(&films, lubricated);
         let power_loss = film.sliding_power + film.rolling_power + outside.of_balls();
         let transmission = match self.model {
             LubricatedModel::Traction(_) => {

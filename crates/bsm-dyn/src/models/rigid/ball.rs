@@ -75,6 +75,24 @@ pub struct RigidMotion<D = f64> {
     pub spin_moment: D,
 }
 
+/// Loads, precession rates, slip at contact A and spin moment, from which the motion of a
+/// [`RigidBall`] is calculated. All quantities are in scaled units.
+#[derive(Clone, Copy)]
+pub(super) struct RigidCoordinates<D> {
+    /// Normal loads at the contacts A, A' and B.
+    pub(super) loads: [D; 3],
+    /// Precession rate relative to the nut `$p$`.
+    pub(super) precession: D,
+    /// Absolute precession rate `$P/W$`.
+    pub(super) rate: D,
+    /// Slip speed at contact A.
+    pub(super) slip: D,
+    /// Unit vector in the direction of the slip at contact A.
+    pub(super) slip_direction: Plane<D>,
+    /// Spin moment `$s$`.
+    pub(super) spin_moment: D,
+}
+
 /// Returns the product of a scalar and a vector.
 #[inline(always)]
 pub(super) fn times<D: Real>(factor: D, a: Plane<D>) -> Plane<D> {
@@ -131,22 +149,11 @@ impl<P: Real> RigidBall<P> {
         Self { inertia_ratio, inertia, ..*self }
     }
 
-    /// Returns the motion of the ball for given unknowns.
-    ///
-    /// * `loads`: normal loads at the contacts A, A' and B.
-    /// * `[precession, rate]`: precession rate relative to the nut `$p$`, and absolute precession
-    ///   rate `$P/W$`.
-    /// * `(slip, along)`: slip speed at contact A and its direction.
-    /// * `spin_moment`: spin moment `$s$`.
+    /// Returns the motion of the ball for given coordinates.
     #[inline(always)]
-    pub fn motion<D: RealOver<P>>(
-        &self,
-        loads: [D; 3],
-        [precession, rate]: [D; 2],
-        (slip, along): (D, Plane<D>),
-        spin_moment: D,
-    ) -> RigidMotion<D> {
-        let nut = times(slip, along);
+    pub(super) fn motion<D: RealOver<P>>(&self, at: RigidCoordinates<D>) -> RigidMotion<D> {
+        let RigidCoordinates { loads, precession, rate, slip, slip_direction, spin_moment } = at;
+        let nut = times(slip, slip_direction);
         // u = −λ cosθ,  τ = λ sinθ − p d/r_b                              (R4)
         let (u, tau) = (-nut[0], nut[1] - precession * self.arc);
         // σ = s r_b F_a / (I P)                                           (R5)
@@ -162,7 +169,7 @@ impl<P: Real> RigidBall<P> {
         RigidMotion {
             loads,
             speeds: [slip, unloaded.0, screw.0],
-            directions: [along, unloaded.1, screw.1],
+            directions: [slip_direction, unloaded.1, screw.1],
             precession,
             rate,
             omega: [u, sigma, tau],

@@ -10,7 +10,7 @@ use bsm_newton::{
     CurveEquations, EvalError, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace,
 };
 
-use super::ball::{RigidBall, RigidMotion};
+use super::ball::{RigidBall, RigidCoordinates, RigidMotion};
 use super::equations::{MIN_INERTIA, RigidEquations, Unknowns};
 use super::first_order::FirstOrder;
 use crate::cost::{self, count_search};
@@ -244,9 +244,14 @@ impl<'a> Branch<'a> {
         let RigidMotion { loads, speeds, directions, precession, rate, spin_moment, .. } =
             self.motion(z)?;
         let load = self.ball.inertia_ratio;
-        let rates = [precession, rate];
-        let slip = (speeds[0], directions[0]);
-        Some(self.ball.motion(loads.map(|q| q * load), rates, slip, spin_moment * load))
+        Some(self.ball.motion(RigidCoordinates {
+            loads: loads.map(|q| q * load),
+            precession,
+            rate,
+            slip: speeds[0],
+            slip_direction: directions[0],
+            spin_moment: spin_moment * load,
+        }))
     }
 }
 

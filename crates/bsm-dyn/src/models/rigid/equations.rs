@@ -6,7 +6,7 @@ use bsm_kin::{Over, Scalar};
 use bsm_newton::EvalError;
 use nalgebra::SVector;
 
-use super::ball::{RigidBall, RigidMotion};
+use super::ball::{RigidBall, RigidCoordinates, RigidMotion};
 use super::first_order::FirstOrder;
 use crate::contact::{DOES_NOT_ORBIT, Sines, sliding};
 use crate::cost;
@@ -49,14 +49,20 @@ impl<P: Scalar> RigidEquations<P> {
     ///
     /// Returns [`EvalError`] if the direction of friction or of the gyroscopic moment is undefined.
     pub(super) fn motion<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<RigidMotion<D>, EvalError> {
-        let rates = self.rates(y[PRECESSION]);
-        if rates[1].re() == 0.0 {
+        let [precession, rate] = self.rates(y[PRECESSION]);
+        if rate.re() == 0.0 {
             return Err(DOES_NOT_ORBIT);
         }
         // V_A = W r_b λ (cosθ e_x + sinθ t); the friction direction does not depend on λ  (R7)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
-        let loads = [y[NUT_LOAD], y[UNLOADED_FLANK_LOAD], y[SCREW_LOAD]];
-        let motion = self.ball.motion(loads, rates, (y[SLIP], [cos, sin]), y[SPIN]);
+        let motion = self.ball.motion(RigidCoordinates {
+            loads: [y[NUT_LOAD], y[UNLOADED_FLANK_LOAD], y[SCREW_LOAD]],
+            precession,
+            rate,
+            slip: y[SLIP],
+            slip_direction: [cos, sin],
+            spin_moment: y[SPIN],
+        });
         sliding(motion.speeds[1])?;
         sliding(motion.speeds[2])?;
         Ok(motion)

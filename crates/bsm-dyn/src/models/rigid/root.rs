@@ -12,7 +12,7 @@ use super::ball::{RigidBall, RigidMotion};
 use super::branch::{BranchRoots, MAX_BRANCH_STEP};
 use super::equations::RigidEquations;
 use super::first_order::FirstOrder;
-use super::sweeps::Sweeps;
+use super::fixed_point::FixedPoint;
 use crate::cost::count_of;
 use crate::models::ball::{BALL_UNKNOWNS, Evidence, Reason, SolveFailure, Workspace};
 
@@ -72,7 +72,7 @@ pub(crate) fn find(
 
     // The first attempt uses sweeps from the first-order solution. If the sweeps converge, they
     // have found a root on the branch.
-    let swept = ball.sweeps(&first);
+    let swept = ball.fixed_point(&first);
     if swept.is_root() {
         let alternatives = first.is_unique.then(Vec::new);
         let (steps, residual) = (count_of(swept.count), swept.residual);
@@ -246,7 +246,7 @@ pub(super) fn refined(
 }
 
 /// Returns the reason why the final motion of the sweeps is inadmissible.
-fn inadmissible(swept: &Sweeps<f64>) -> Reason {
+fn inadmissible(swept: &FixedPoint<f64>) -> Reason {
     let motion = &swept.motion;
     let ([nut, unloaded, screw], slip) = (motion.loads, motion.speeds[0]);
     if nut <= 0.0 || screw <= 0.0 {
@@ -332,6 +332,6 @@ fn slip_at_nut(ball: &RigidBall<f64>) -> f64 {
     if !first.has_compressive_loads() {
         return f64::NEG_INFINITY;
     }
-    let swept = ball.sweeps(&first);
+    let swept = ball.fixed_point(&first);
     if swept.stationary { swept.motion.speeds[0] } else { f64::NAN }
 }

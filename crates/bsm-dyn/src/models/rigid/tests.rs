@@ -12,6 +12,7 @@ use nalgebra::{Matrix4, Vector3, Vector4};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::ball::RigidCoordinates;
 use super::first_order::{
     MIN_STEEP_SINE, UNIQUE_INERTIA, UNIQUE_MAX_FRICTION, UNIQUE_MIN_RATE, UNIQUE_MULTIPLICITY,
 };
@@ -78,8 +79,14 @@ fn random_start(
     let gyroscopic = ball.inertia * rate * tau * frame.k.y;
     let spin = (gyroscopic - moment) / frame.k.z;
     let (sin, cos) = angles[0].sin_cos();
-    let loads = [loads[0], loads[1], loads[2]];
-    let motion = ball.motion(loads, [p, rate], (slip.abs(), [cos, sin]), spin);
+    let motion = ball.motion(RigidCoordinates {
+        loads: [loads[0], loads[1], loads[2]],
+        precession: p,
+        rate,
+        slip: slip.abs(),
+        slip_direction: [cos, sin],
+        spin_moment: spin,
+    });
     Some(RigidEquations::at(ball, &motion))
 }
 
@@ -357,7 +364,7 @@ fn sweeps_that_converge_find_the_same_root_as_continuation() {
         };
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let first = case.first_order();
-        let swept = case.sweeps(&first);
+        let swept = case.fixed_point(&first);
         if first.inertia_scale < 0.2 * case.friction()
             || !(swept.converged && swept.motion.is_admissible())
         {
@@ -452,7 +459,7 @@ fn followed_branch_begins_below_the_actual_inertia() {
     let [point, ..] = slowly_orbiting_points();
     let ball = Rigid { point }.ball().expect("in the domain");
     let first = ball.first_order();
-    let swept = ball.sweeps(&first);
+    let swept = ball.fixed_point(&first);
     let branch = ball.follow_branch(&first);
     let found = branch.motions.first().expect("a root");
     // The root on the branch is located to within a thousandth of a step.

@@ -46,9 +46,17 @@ const CHORD_RESIDUAL: f64 = 1e-3;
 /// relative to the nut.
 const FAST_NUT_RATIO: f64 = 2.0;
 
-/// Default limits of a solve: maximum number of Newton steps, and maximum number of halvings of
-/// each step.
-const DEFAULT_LIMITS: (usize, u32) = (20, 6);
+/// Limits of a solve by Newton's method.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NewtonLimits {
+    /// Maximum number of Newton steps.
+    pub(super) max_steps: usize,
+    /// Maximum number of halvings of each step.
+    pub(super) max_halvings: u32,
+}
+
+/// Default limits of a solve.
+const DEFAULT_LIMITS: NewtonLimits = NewtonLimits { max_steps: 20, max_halvings: 6 };
 
 /// Error that is returned if no contact angles exist for the given loads and tilt.
 const CONTACT_LOST: EvalError = EvalError {
@@ -75,9 +83,8 @@ pub(super) struct SlipBall<'a, P = f64> {
     pub(super) lubrication: Option<Lubrication<'a, P>>,
     /// Forces of the neighboring balls; `None` for a ball without neighbors.
     pub(super) push: Option<Push>,
-    /// Limits of a solve: maximum number of Newton steps, and maximum number of halvings of each
-    /// step.
-    pub(super) limits: (usize, u32),
+    /// Limits of a solve.
+    pub(super) limits: NewtonLimits,
 }
 
 /// Lubricant data of a ball, and the method of calculating friction from these data.
@@ -582,7 +589,7 @@ impl<'a, P> SlipBall<'a, P> {
 
     /// Returns the options for solving the equations with Newton's method.
     pub(super) fn options(&self) -> Options {
-        let (max_steps, max_halvings) = self.limits;
+        let NewtonLimits { max_steps, max_halvings } = self.limits;
         let by_jets = self.lubrication.as_ref().is_some_and(|lubrication| lubrication.complete);
         let chord_below = if by_jets { 0.0 } else { self.residual_goal.sqrt().max(CHORD_RESIDUAL) };
         Options {

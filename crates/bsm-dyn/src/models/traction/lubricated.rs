@@ -7,9 +7,11 @@ use std::cell::OnceCell;
 use bsm_kin::{Helix, Jet};
 use bsm_newton::{Continuation, follow};
 
-use super::equations::{COARSE_ACCURACY, COARSE_RESIDUAL, Lubrication, SEARCH_ACCURACY, SlipBall};
-use super::root::{RootWithPower, SlipRoot};
-use super::{Start, Traction, TractionWorkspace};
+use super::equations::{
+    COARSE_ACCURACY, COARSE_RESIDUAL, Lubrication, NewtonLimits, SEARCH_ACCURACY, SlipBall,
+};
+use super::root::{RefinedRoot, SlipRoot};
+use super::{RollingStart, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
 use crate::ellipse::{FrozenRule, RulePair};
 use crate::models::ball::{
@@ -23,9 +25,8 @@ use crate::models::workspace::ModelWorkspace;
 /// is at most a tenth of its tolerance.
 pub(super) const LUBRICATED_RESIDUAL_GOAL: f64 = 1e-11;
 
-/// Limits for each step of the continuation in which the lubricant friction is increased: maximum
-/// number of Newton steps, and maximum number of halvings of a Newton step.
-const SHARE_LIMITS: (usize, u32) = (12, 6);
+/// Limits for each step of the continuation in which the lubricant friction is increased.
+const SHARE_LIMITS: NewtonLimits = NewtonLimits { max_steps: 12, max_halvings: 6 };
 
 impl<'a> SlipBall<'a> {
     /// Returns the equations with lubricant friction.
@@ -84,7 +85,7 @@ impl SlipBall<'_> {
 struct ScaledRoot {
     contacts: ElasticContacts,
     rolling_ball: RollingBall,
-    refined: RootWithPower,
+    refined: RefinedRoot,
     frozen_rules: [OnceCell<FrozenRule>; 2],
     steps: usize,
     /// Error bound of the efficiency due to the quadrature over the contact ellipses (T25)
@@ -107,7 +108,8 @@ impl Traction {
     ) -> Result<ScaledRoot, SolveFailure> {
         let contacts = self.screw.scaled()?;
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
-        let Start { rolling_ball, .. } = Start::new(&contacts, rolling_ball.ok().as_ref())?;
+        let RollingStart { rolling_ball, .. } =
+            RollingStart::new(&contacts, rolling_ball.ok().as_ref())?;
         let creep = self.creep * contacts.slip_scale();
         let scale =
             ehl.friction_scale(&contacts, &rolling_ball.loaded, &rolling_ball.to_nut, creep);
@@ -143,7 +145,7 @@ impl Traction {
             .refined(&root, &frozen_rules, newton, &mut steps)
             .or_else(|| fine.complete(1.0).refined(&root, &frozen_rules, newton, &mut steps))
             .ok_or(SolveFailure::SEARCH_FAILED)?;
-        let RootWithPower { root, transmitted, torque_slope, .. } = &refined;
+        let RefinedRoot { root, transmitted, torque_slope, .. } = &refined;
         let checked = SlipBall { quadrature: check, ..fine.of(root) };
         let other = checked.evaluated(&root.unknowns).ok();
         let Helix { radius, lead_angle } = contacts.helix;
@@ -167,7 +169,7 @@ impl Traction {
     ) -> Result<SteadyRoot, SolveFailure> {
         let ScaledRoot { contacts, rolling_ball, refined, steps, error, .. } =
             self.lubricated_root(ehl, work, oil)?;
-        let RootWithPower { root, transmitted, loaded, .. } = refined;
+        let RefinedRoot { root, transmitted, loaded, .. } = refined;
         let creep = self.creep * contacts.slip_scale();
         let [_, dry] = oil.rules.oil_and_dry(self.accuracy);
         let ball = SlipBall::of_contacts(&contacts, dry, creep).of(&root);
@@ -207,7 +209,7 @@ impl<const M: usize> Traction<Jet<M>> {
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
     ) -> Result<(ElasticContacts<Jet<M>>, LubricatedState<Jet<M>>), SolveFailure> {
         let inputs = self.screw.scaled()?;
-        let ScaledRoot { contacts, refined: RootWithPower { root, .. }, frozen_rules, .. } =
+        let ScaledRoot { contacts, refined: RefinedRoot { root, .. }, frozen_rules, .. } =
             self.values().lubricated_root(values, traction, lubricated)?;
         let creep = self.creep * contacts.slip_scale();
         let [quadrature, _] = lubricated.rules.oil_and_dry(self.accuracy);

@@ -37,7 +37,7 @@ pub(crate) struct SlipRoot {
 }
 
 /// A root of the traction equations with its torque, powers and contacts.
-pub(super) struct RootWithPower {
+pub(super) struct RefinedRoot {
     pub(super) root: SlipRoot,
     pub(super) transmitted: PowerFlow,
     /// Derivatives of the torque with respect to the unknowns, near the root.
@@ -73,7 +73,7 @@ impl SlipBall<'_> {
         frozen_rules: &[OnceCell<FrozenRule>; 2],
         newton: &mut Workspace,
         steps: &mut usize,
-    ) -> Option<RootWithPower> {
+    ) -> Option<RefinedRoot> {
         let mut unknowns = near.unknowns;
         let ball = SlipBall { frozen_rules: Some(frozen_rules), ..self.of(near) };
         let Outcome { report, last, slopes } = ball.run(&mut unknowns, newton);
@@ -90,7 +90,7 @@ impl SlipBall<'_> {
         }
         let root = SlipRoot { unknowns, residual: report.residual, ..*near };
         let loaded = self.admitted(&root).ok()?;
-        Some(RootWithPower { root, transmitted, torque_slope, loaded })
+        Some(RefinedRoot { root, transmitted, torque_slope, loaded })
     }
 
     /// Takes one Newton step from a ball without slip. The creep speed is the specified creep

@@ -169,9 +169,9 @@ fn equations_have_the_same_roots_in_both_sets_of_unknowns() {
             continue;
         }
         let rolling_ball = RollingBall::of(&contacts, None, &mut work.statics);
-        let start = Start::new(&contacts, rolling_ball.ok().as_ref()).unwrap();
+        let start = RollingStart::new(&contacts, rolling_ball.ok().as_ref()).unwrap();
         let case = Traction { screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
-        let SlipResult { root, solved, .. } = case.found(&start, None, &mut work).unwrap();
+        let FoundRoot { root, solved, .. } = case.find(&start, None, &mut work).unwrap();
         let creep = Traction::CREEP * contacts.slip_scale();
         let [RulePair { rule: quadrature, .. }] = work.rules.dry([Traction::ACCURACY]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep);

@@ -6,7 +6,7 @@
 use bsm_kin::Real;
 use bsm_newton::Convergence;
 
-use super::ball::{RigidBall, RigidMotion, times};
+use super::ball::{RigidBall, RigidCoordinates, RigidMotion, times};
 use super::first_order::FirstOrder;
 use super::sweep::SweepState;
 
@@ -14,10 +14,11 @@ use super::sweep::SweepState;
 /// by continuation.
 const MAX_SWEEPS: usize = 64;
 
-/// Sweep count below which stationary sweeps that are not at a root count as evidence that there is
-/// no root. Iterations that need more sweeps can miss a root. The limit was tested with 34 665
-/// random points; at each of them, an independent search for all roots found none (theory 04,
-/// direct sweeps).
+/// If the sweeps become stationary after fewer than this number of sweeps, but not at a root, this
+/// is evidence that there is no root. Iterations that need more sweeps can miss a root.
+///
+/// The limit is supported by 34 665 random points at which an independent search for all roots
+/// found none (`docs/theory/04-rigid.md`, section on direct sweeps).
 const MAX_SWEEPS_WITHOUT_ROOT: f64 = 24.0;
 
 /// Maximum ratio of inertia force to friction force at which converged sweeps are accepted. The
@@ -33,7 +34,7 @@ const DIRECTION_TOL: f64 = 1e-12;
 
 /// Result of the fixed-point iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sweeps<F: Real> {
+pub struct FixedPoint<F: Real> {
     /// Motion after the last sweep. Loads and slip may be positive or negative.
     pub motion: RigidMotion<F>,
     /// Largest scaled residual of the equations.
@@ -51,7 +52,7 @@ impl<F: Real> RigidBall<F> {
     /// Repeats sweeps, starting from the first-order solution of this ball, until the friction
     /// directions are stationary.
     #[inline(always)]
-    pub fn sweeps(&self, first: &FirstOrder<F>) -> Sweeps<F> {
+    pub fn fixed_point(&self, first: &FirstOrder<F>) -> FixedPoint<F> {
         let inertia = first.inertia_scale / self.friction();
         let guided = first.has_compressive_loads() & inertia.below(MAX_INERTIA);
         let (mut directions, mut last) = (first.next, first.change);
@@ -71,17 +72,17 @@ impl<F: Real> RigidBall<F> {
                 break;
             }
         }
-        let motion = self.swept(&self.sweep(&directions));
+        let motion = self.motion_after(&self.sweep(&directions));
         let residual = self.scaled_residual(&motion);
         let ended = guided & !moving;
         let stationary = ended & count.below(MAX_SWEEPS_WITHOUT_ROOT);
         let converged = ended & residual.below(Convergence::RESIDUAL_TOL);
-        Sweeps { motion, residual, count, stationary, converged }
+        FixedPoint { motion, residual, count, stationary, converged }
     }
 
     /// Returns the motion of the ball that corresponds to the state of a sweep.
     #[inline(always)]
-    fn swept(&self, state: &SweepState<F>) -> RigidMotion<F> {
+    fn motion_after(&self, state: &SweepState<F>) -> RigidMotion<F> {
         let [norm_a, norm_b] = state.norms;
         let [friction_a, friction_b] = state.friction_forces;
         let twice = self.signed * 2.0;
@@ -90,12 +91,18 @@ impl<F: Real> RigidBall<F> {
             state.unloaded * state.centrifugal,
             friction_b * norm_b / twice,
         ];
-        let slip = (state.slip * norm_a, times(norm_a.recip(), state.nut));
-        self.motion(loads, [state.p, state.rate], slip, state.s)
+        self.motion(RigidCoordinates {
+            loads,
+            precession: state.p,
+            rate: state.rate,
+            slip: state.slip * norm_a,
+            slip_direction: times(norm_a.recip(), state.nut),
+            spin_moment: state.s,
+        })
     }
 }
 
-impl<F: Real> Sweeps<F> {
+impl<F: Real> FixedPoint<F> {
     /// Returns true if the sweeps have found a root, that is, converged to an admissible motion.
     #[inline(always)]
     pub fn is_root(&self) -> F::Mask {
