@@ -415,7 +415,7 @@ fn case(requirement: &RequirementFile, design: &Design) -> Case {
         loaded_turns: Some(nut.turns),
         starts: several.or(requirement.case.starts),
         circuits_count: several.or(requirement.case.circuits_count),
-        loaded_balls: Some((nut.balls_per_turn * nut.turns).max(1.0)),
+        loaded_balls: Some(decimal(nut.balls_per_turn * nut.turns).max(1.0)),
         axial_load_N: if by_torque { Some(phase.load) } else { requirement.case.axial_load_N },
         preload_N: design.preload(),
         entries: CaseEntries { preload_class: None, ..requirement.case.entries.clone() },

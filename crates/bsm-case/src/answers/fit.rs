@@ -16,12 +16,14 @@ use crate::answers::axis::{missing_for_rule, rule_titles};
 use crate::answers::groove::pair;
 use crate::answers::schema::RecordJson;
 use crate::case::rated_nut;
+use crate::vocabulary::display::in_unit;
 use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::members::{Data, Maybe, Word, answer, one_member, with_unit};
 use crate::vocabulary::units::{UnitChange, convert};
 use crate::{
-    AnalysisKind, Answer, AxisReport, Case, CaseError, INPUTS, InputKey, ModelChoice, NameKind,
-    Output, OutputType, Quantity, Record, Rule, Settings, format_interval,
+    AnalysisKind, Answer, AxisReport, Case, CaseError, DisplayUnit, INPUTS, InputKey, ModelChoice,
+    NameKind, Output, OutputType, Quantity, Record, Rule, Settings, format_interval,
+    format_trimmed,
 };
 
 /// Returns the output to which `name` refers, and the conversion from the unit at the end of `name`
@@ -160,6 +162,9 @@ answer! {
 #[derive(Debug, Clone)]
 pub struct Fit {
     input: InputKey,
+    /// Name of the input as shown in sentences, with the displayed unit as a suffix.
+    shown_name: String,
+    shown_unit: DisplayUnit,
     range: (f64, f64),
     target: Target,
 }
@@ -377,8 +382,22 @@ impl Fit {
     }
 
     fn with(case: &Case, input: &FittedInput, target: Target) -> Result<Self, CaseError> {
-        let (input, range) = input.key_and_range(case, SINGLE_VALUE_RANGE)?;
-        Ok(Self { input, range, target })
+        let (key, range) = input.key_and_range(case, SINGLE_VALUE_RANGE)?;
+        // Sentences keep the unit of the given name. Otherwise, they have the displayed units.
+        let names = INPUTS.iter().map(|input| input.name);
+        let (shown_name, shown_unit) = match in_unit(&input.name, names) {
+            Some((_, unit)) if input.name != key.name() => (input.name.clone(), unit),
+            _ => {
+                let unit = case.display_units().of(key.input().unit);
+                (unit.name(key.name()), unit)
+            }
+        };
+        Ok(Self { input: key, shown_name, shown_unit, range, target })
+    }
+
+    /// Returns the name of the input and a value, both in the displayed unit.
+    fn equation(&self, value: f64) -> String {
+        format!("{} = {:.6}", self.shown_name, self.shown_unit.value(value))
     }
 
     /// Returns the case with another value of the input.
@@ -445,7 +464,6 @@ impl Fit {
         settings: &Settings,
         report: &FitReport,
     ) -> Result<Vec<String>, CaseError> {
-        let input = self.input.name();
         if report.reachable.is_none() {
             let missing = self.missing_inputs(&self.at(case, self.range.1)?);
             let note = || format!("Missing inputs: {}.", missing.join(", "));
@@ -458,7 +476,7 @@ impl Fit {
         let Some(rule) = sheet.answer.rules.iter().find(|own| own.title == *rule) else {
             return Ok(Vec::new());
         };
-        let mut notes = vec![format!("At {input} = {:.6}: {}.", at.value, rule.source)];
+        let mut notes = vec![format!("At {}: {}.", self.equation(at.value), rule.source)];
         if rule.margin_without_default.is_some() {
             notes.push(
                 "One end of the screw is free, so a table may not guide the load. The rule therefore counts as met only where it is \
@@ -643,16 +661,18 @@ impl Fit {
 
     /// Describes the result of the search in a sentence.
     fn describe(&self, report: &FitReport) -> String {
-        let input = self.input.name();
+        let input = &self.shown_name;
+        let shown = |value: f64| format!("{:.6}", self.shown_unit.value(value));
         let all: Vec<_> = report
             .found
             .iter()
             .map(|FitValue { value, band, .. }| {
                 let with = band.map_or("", |_| " over the possible grooves");
-                format!("{input} = {value:.6}{}{with}", format_interval(*band))
+                let interval = format_interval(self.shown_unit.band(*band));
+                format!("{}{interval}{with}", self.equation(*value))
             })
             .collect();
-        let jumps: Vec<_> = report.jumps.iter().map(|at| format!("{at:.6}")).collect();
+        let jumps: Vec<_> = report.jumps.iter().map(|at| shown(*at)).collect();
         let jumps = match &jumps[..] {
             [] => String::new(),
             all => format!("; it jumps at {input} = {}", all.join(", ")),
@@ -661,7 +681,14 @@ impl Fit {
             Target::Measured { output, .. } => output.name,
             Target::Limit { rule } => rule,
         };
-        let (low, high) = self.range;
+        let [low, high] =
+            [self.range.0, self.range.1].map(|end| format_trimmed(self.shown_unit.value(end)));
+        let part = if report.solved < 1.0 {
+            let percent = 100.0 * report.solved;
+            format!("; it can be calculated in {percent:.0} % of this range")
+        } else {
+            String::new()
+        };
         match (&self.target, &report.found[..], report.reachable) {
             (_, _, None) => {
                 format!("{what} cannot be calculated with {input} from {low} to {high}")
@@ -670,11 +697,11 @@ impl Fit {
                 let parts: Vec<_> = report
                     .ranges_within_limit
                     .iter()
-                    .map(|(low, high)| format!("{low:.6} to {high:.6}"))
+                    .map(|(low, high)| format!("{} to {}", shown(*low), shown(*high)))
                     .collect();
                 if parts.is_empty() {
                     format!(
-                        "the rule \"{rule}\" is violated with {input} from {low} to {high}{jumps}"
+                        "the rule \"{rule}\" is not met with {input} from {low} to {high}{part}{jumps}"
                     )
                 } else {
                     let limits = if report.found.iter().any(|found| found.band.is_some()) {
@@ -683,7 +710,7 @@ impl Fit {
                         String::new()
                     };
                     format!(
-                        "the rule \"{rule}\" is met with {input} from {} (searched range: {low} to {high}){limits}{jumps}",
+                        "the rule \"{rule}\" is met with {input} from {} (searched range: {low} to {high}{part}){limits}{jumps}",
                         parts.join(", and from ")
                     )
                 }
@@ -698,12 +725,6 @@ impl Fit {
                 )
             }
             (Target::Measured { value, .. }, [], Some((least, most))) => {
-                let part = if report.solved < 1.0 {
-                    let percent = 100.0 * report.solved;
-                    format!("; the model has solutions in {percent:.0} % of this range")
-                } else {
-                    String::new()
-                };
                 format!(
                     "{input} from {low} to {high} gives {what} from {least:.6} to {most:.6}, not {value}{part}{jumps}"
                 )
@@ -727,15 +748,18 @@ impl Fit {
         let fails = report.found.is_empty() && report.ranges_within_limit.is_empty();
         let missing_values = report.found.iter().filter(|found| found.grooves_without_value > 0).map(|found| {
             format!(
-                "For {} of {} possible grooves, no value near {} = {:.6} in the range gives this result.",
+                "For {} of {} possible grooves, no value near {} in the range gives this result.",
                 found.grooves_without_value,
                 case.draws(FEW_DRAWS),
-                self.input.name(),
-                found.value
+                self.equation(found.value)
             )
         });
         let meaning = report.found.iter().any(|found| found.band.is_some()).then(|| {
-            "The intervals account for the uncertainty of the estimated groove, but not for the error of the measured value.".to_owned()
+            match self.target {
+                Target::Measured { .. } => "The intervals account for the uncertainty of the estimated groove, but not for the error of the measured value.",
+                Target::Limit { .. } => "The intervals account for the uncertainty of the estimated groove.",
+            }
+            .to_owned()
         });
         let notes = case.groove_note().into_iter().chain(meaning).chain(self.about_rule());
         let notes = notes.chain(missing_values).chain(report.notes.iter().cloned()).collect();

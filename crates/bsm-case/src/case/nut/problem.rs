@@ -512,8 +512,9 @@ fn notes(
         && whole(balls) != nut.balls()
     {
         notes.push(format!(
-            "The circuits have {} balls. loaded_balls = {balls} applies only to the single-ball models.",
-            nut.balls()
+            "The circuits have {} balls. loaded_balls = {} applies only to the single-ball models.",
+            nut.balls(),
+            format_trimmed(balls)
         ));
     }
     notes
