@@ -308,8 +308,9 @@ class Solution(SolutionFields):
     def screw_torque_Nm(self) -> float:
         """Screw torque [N m], which includes balls, preload, seals and support bearings.
 
-        The torque is NaN if the model does not calculate it. If the torque of a preloaded nut cannot be calculated,
-        an `InputError` states the reason. `to_dict()["torque_parts"]` contains the components of the torque.
+        The torque is NaN if load, speed or friction is not given. If the torque cannot be calculated, for example because
+        the balls have no steady motion, an `InputError` states the reason and, if an input is the cause, its `key`,
+        `value` and `rule`. `to_dict()["torque_parts"]` contains the components of the torque.
         """
         return self.screw_torque()
 

@@ -34,9 +34,9 @@ pub(crate) struct Solution {
     solved: bsm_case::Case,
     settings: Settings,
     record: Record,
-    /// Torque of the whole screw, calculated on first access. If the torque cannot be calculated,
-    /// the field contains a message that explains why.
-    screw_torque: OnceLock<Result<f64, String>>,
+    /// Torque of the whole screw \[N·m\], calculated on first access, or the reason why it cannot be
+    /// calculated. The torque is NaN if load, speed or friction is missing.
+    screw_torque: OnceLock<Result<f64, CaseError>>,
 }
 
 #[pymethods]
@@ -123,11 +123,16 @@ impl Solution {
 
     /// Returns the torque of the whole screw \[N·m\], or NaN if the model calculates no torque.
     fn screw_torque(&self, py: Python<'_>) -> Result<f64> {
-        let solve =
-            || match torque_parts(&self.solved, &self.settings, &mut ModelWorkspace::default()) {
-                Ok(parts) => Ok(parts.and_then(|parts| parts.torque()).unwrap_or(f64::NAN)),
-                Err(error) => Err(format!("the screw torque is not calculated: {error}")),
+        let solve = || {
+            let work = &mut ModelWorkspace::default();
+            let Some(parts) = torque_parts(&self.solved, &self.settings, work)? else {
+                return Ok(f64::NAN);
             };
+            let reason = &parts.contacts;
+            parts.torque().ok_or_else(|| {
+                CaseError::Invalid(format!("the screw torque is not calculated: {reason}"))
+            })
+        };
         let torque = py.detach(|| self.screw_torque.get_or_init(solve));
         torque.clone().map_err(Error::from)
     }
