@@ -121,7 +121,7 @@ impl Solution {
         OUTPUTS.get(place)?.word(self.number(place))
     }
 
-    /// Returns the torque of the whole screw \[N·m\], or NaN if the model calculates no torque.
+    /// Returns the torque of the whole screw \[N·m\], or NaN if load, speed or friction is missing.
     fn screw_torque(&self, py: Python<'_>) -> Result<f64> {
         let solve = || {
             let work = &mut ModelWorkspace::default();
@@ -134,7 +134,7 @@ impl Solution {
             })
         };
         let torque = py.detach(|| self.screw_torque.get_or_init(solve));
-        torque.clone().map_err(Error::from)
+        torque.as_ref().copied().map_err(Error::from)
     }
 
     /// Returns the JSON that the program prints with `--show band --json`.
@@ -187,7 +187,7 @@ pub(crate) fn sensitivities(case: &Bound<'_, Case>, how: How) -> Result<Option<V
 }
 
 /// Inputs that are calculated from other inputs if they are not given.
-const SET_BY_OTHERS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loaded_balls];
+const DERIVED_INPUTS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loaded_balls];
 
 /// Returns the values of an output at many points, and its derivatives with respect to each input
 /// in `wrt`, point by point. At a point without a solution, the value and the derivatives are NaN.
@@ -239,7 +239,8 @@ pub(crate) fn gradient(
                 key.name()
             )));
         }
-        if let Some(target) = SET_BY_OTHERS.into_iter().find(|target| sets(*target, *key, &first)) {
+        if let Some(target) = DERIVED_INPUTS.into_iter().find(|target| sets(*target, *key, &first))
+        {
             let [key, target] = [*key, target].map(InputKey::name);
             return Err(Error::from(format!(
                 "`{key}` also determines {target} in this case, but exact derivatives hold {target} constant; \

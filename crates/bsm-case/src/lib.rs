@@ -3,8 +3,9 @@
 //! This is the only crate that uses millimeters, degrees and rpm. A [`Case`] contains one operating
 //! point with the names and units of the vocabulary. [`Case::problem`] converts it to the problem
 //! of a model in SI units, and [`Record`] converts the solution back. Ratings, designs, fits and
-//! analyses use the same vocabulary. The crate does not solve anything itself: it contains no
-//! iterative solvers, searches or convergence tolerances.
+//! analyses use the same vocabulary. The models, the equilibrium of a nut and the search for a
+//! design are in other crates; this crate contains the fits of inputs to measured values and
+//! combines the results of the other crates to answers.
 //! The model choice `auto` selects the fastest model that is accurate enough:
 //!
 //! ```

@@ -276,22 +276,22 @@ impl<'a> Changes<'a> {
 
     fn add(&mut self, chunk: &Chunk, answers: &Answers) {
         let Some(values) = chunk.inputs.last() else { return };
-        for (i, (value, verdict)) in values.values().iter().zip(&answers.verdicts).enumerate() {
+        for (i, (value, outcome)) in values.values().iter().zip(&answers.outcomes).enumerate() {
             let row = chunk.first - 1 + i as u64;
             let begins = row.is_multiple_of(self.axis.len() as u64);
             if let Some((former, from, model)) = self.before.filter(|_| !begins)
                 && former + 1 == row
-                && model != verdict.model
+                && model != outcome.model
             {
-                let [model, other] = [model, verdict.model].map(ModelChoice::name);
+                let [model, other] = [model, outcome.model].map(ModelChoice::name);
                 let place = row % self.axis.len() as u64;
                 if self.found.insert((place, [model, other])) && self.first.len() < Self::NAMED {
                     let [from, to] = [from, *value].map(format_exact);
                     self.first.push(format!("{from} and {to} ({model}, {other})"));
                 }
             }
-            let solved = verdict.status == Status::Converged;
-            self.before = solved.then_some((row, *value, verdict.model));
+            let solved = outcome.status == Status::Converged;
+            self.before = solved.then_some((row, *value, outcome.model));
         }
     }
 

@@ -5,7 +5,8 @@ use std::sync::atomic::Ordering;
 use std::{env, io};
 
 use bsm_batch::{
-    AnswerSink, Answers, Cell, Cells, Chunk, ColumnUnits, Columns, TableError, catch_panic, unit_of,
+    AnswerSink, Answers, Cell, Chunk, ColumnUnits, Columns, RowCells, TableError, catch_panic,
+    unit_of,
 };
 use bsm_case::Output;
 use rust_xlsxwriter::{Format, Workbook as Book, Worksheet, XlsxError};
@@ -126,7 +127,7 @@ impl AnswerSink for Workbook {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
         let schema = self.units.schema(&self.columns, &self.outputs);
         let table = answers.table(&chunk, &schema, &self.outputs)?;
-        let cells = Cells::of(&table, &chunk)?;
+        let cells = RowCells::of(&table, &chunk)?;
         (0..chunk.len).try_for_each(|row| self.row(cells.row(row)))
     }
 }

@@ -9,7 +9,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Map, Value};
 
 use crate::answers::schema::RecordJson;
-use crate::vocabulary::members::{Cells, Label, Rows, Sentences, answer, row};
+use crate::vocabulary::members::{Label, Rows, Sentences, TableRow, answer, row};
 use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, Record};
 
 /// Number of timed solver runs per model. The shortest time is reported.
@@ -71,7 +71,7 @@ impl JsonSchema for RecordCells {
     }
 }
 
-impl Cells for RecordCells {
+impl TableRow for RecordCells {
     fn columns() -> Vec<Column> {
         let head = |name: &str| Some(SHOWN.iter().find(|(own, _)| *own == name)?.1);
         RecordJson::names().map(|name| Column::new(name, head(name))).collect()

@@ -88,7 +88,7 @@ impl Catalog {
     ///
     /// Returns a [`CaseError`] that names the row or the column that is invalid.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Option<Self>, CaseError> {
-        let has_turns = |head: &String| format.name(head) == Some("turns");
+        let has_turns = |head: &String| format.input_of(head) == Some("turns");
         if !Cells::read(table, format)?.heads().iter().any(has_turns) {
             return Ok(None);
         }
