@@ -12,7 +12,7 @@ use bsm_case::Output;
 use rust_xlsxwriter::{Format, Workbook as Book, Worksheet, XlsxError};
 use serde_json::{Number, Value};
 
-use crate::files::FILE_TOO_LARGE;
+use crate::unfinished::FILE_TOO_LARGE;
 
 /// Maximum number of data rows in a sheet, not counting the rows with names and units.
 pub(crate) const MAX_ROWS: u64 = 1_048_574;
