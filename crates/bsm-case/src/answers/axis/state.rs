@@ -16,7 +16,8 @@ use super::drive::PowerLoss;
 use super::heat::{Heating, Powers};
 use super::lubrication::Lubrication;
 use super::torques::{PhaseTorques, Preload, Torques};
-use crate::case::axis::{AxisModel, FixedEnds, mount};
+use crate::case::axis::{AxisModel, FixedEnds};
+use crate::case::axis_inputs::mount;
 use crate::case::warm::{Warm, WarmState};
 use crate::vocabulary::entries::{KappaBy, Named};
 use crate::vocabulary::units::UM;
@@ -320,7 +321,7 @@ impl<'a> AxisState<'a> {
         let by_catalog = || {
             let stated = self.case.rated_rigidity_N_um?;
             let Named(at) = self.case.entries.rated_rigidity_at?;
-            at.stiffness(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
+            at.stiffness(stated, axis.largest_load(), axis.preload, self.machine.ratings.dynamic)
         };
         // A catalog stiffness is more accurate than the stiffness of an estimated groove.
         match (&self.machine.groove, self.case.has_estimated_groove()) {
@@ -376,7 +377,7 @@ impl<'a> AxisState<'a> {
     /// for the travel of `rating_basis`, and without modifying factors.
     pub(super) fn required_rating_in_basis(&self) -> Option<f64> {
         let Named(basis) = self.case.entries.rating_basis?;
-        let factors = self.axis().dynamic_rating / self.machine.ratings[0];
+        let factors = self.axis().dynamic_rating / self.machine.ratings.dynamic;
         Some(self.required_rating()? / factors / basis.factor(self.axis().screw.lead))
     }
 
