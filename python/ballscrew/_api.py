@@ -2342,8 +2342,10 @@ def select_nuts(
         except InputError as error:
             error.add_note("columns_from maps column names to names of this package, or to None for columns to ignore")
             raise
-        found, nuts, verdicts, grooves, warnings, kept = _core.manufacturers(table, names, required)
-        columns: dict[str, Any] = {"nut": np.array(nuts, dtype=object)}
+        rows = _core.manufacturers(table, names, required)
+        found, verdicts, grooves = rows["columns"], rows["verdicts"], rows["grooves"]
+        kept, warnings = rows["nuts"], rows["warnings"]
+        columns: dict[str, Any] = {"nut": np.array(rows["names"], dtype=object)}
         columns |= {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
         if required is not None:
             columns["passes"] = np.array([passes is True for passes, _ in verdicts], dtype=bool)

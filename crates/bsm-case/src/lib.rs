@@ -81,7 +81,7 @@ pub use vocabulary::input::{Case, INPUTS, InputKey, MAX_EXACT_INTEGER, Rule};
 pub use vocabulary::input_set::{InputSet, derived_input};
 pub use vocabulary::lines::{Lines, OtherSeparator, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;
-pub use vocabulary::names::{GivenNames, RequirementChoice, entries, json_value_of, nearest_input};
+pub use vocabulary::names::{RequirementChoice, entries, json_value_of, nearest_input};
 pub use vocabulary::number::{
     format_digits, format_exact, format_interval, format_number, format_short, format_trimmed,
     format_with_interval, write_exact,
