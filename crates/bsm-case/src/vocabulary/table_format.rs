@@ -51,3 +51,19 @@ impl TableFormat {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rejects_a_delimiter_that_is_not_ascii() {
+        let read = |delimiter: char| {
+            let text = format!(r#"{{"delimiter": "{delimiter}", "decimal": ",", "names": {{}}}}"#);
+            serde_json::from_str::<TableFormat>(&text)
+        };
+        assert_eq!(read(';').expect("valid").delimiter, ';');
+        let error = read('→').expect_err("no byte is equal to this character").to_string();
+        assert!(error.starts_with("`→` is not an ASCII character"), "{error}");
+    }
+}
