@@ -740,6 +740,7 @@ pub(crate) enum PartSelection {
     Range(u64, u64),
 }
 
+#[cfg(feature = "parquet")]
 impl PartSelection {
     /// Returns the numbers of the selected parts in increasing order.
     ///
