@@ -63,9 +63,9 @@ impl Table {
     /// would take a tenth of the solution time.
     pub(crate) fn solve(&self) -> MutexGuard<'_, Answers> {
         let mut answers = self.answers.lock().expect("no solve has panicked");
-        let Answers { verdicts, columns, .. } = &mut *answers;
+        let Answers { outcomes, columns, .. } = &mut *answers;
         let columns = columns.iter_mut().map(|column| Some(&mut column[..])).collect();
-        let buffers = Buffers { verdicts, columns };
+        let buffers = Buffers { outcomes, columns };
         let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
         let told = self.task.solve_into((&self.chunk, &self.columns), buffers, &stop, &done);
         answers.messages = told.messages;
@@ -75,7 +75,7 @@ impl Table {
 
 /// Returns the outputs in a row of the table, or `None` if the row has no solution.
 pub(crate) fn row(answers: &Answers, row: usize) -> Option<Numbers> {
-    let there = answers.verdicts[row].status == Status::Converged;
+    let there = answers.outcomes[row].status == Status::Converged;
     there.then(|| std::array::from_fn(|i| answers.columns[i][row]))
 }
 

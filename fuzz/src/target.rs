@@ -217,7 +217,7 @@ fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
         assert!(chunk.len <= 512 && chunk.len > 0);
         rows += chunk.len;
         let answers = task.solve(&chunk, &columns);
-        assert_eq!(answers.verdicts.len(), chunk.len);
+        assert_eq!(answers.outcomes.len(), chunk.len);
         for sink in &mut sinks {
             sink.write(chunk.clone(), answers.clone())?;
         }

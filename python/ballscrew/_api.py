@@ -308,8 +308,9 @@ class Solution(SolutionFields):
     def screw_torque_Nm(self) -> float:
         """Screw torque [N m], which includes balls, preload, seals and support bearings.
 
-        The torque is NaN if the model does not calculate it. If the torque of a preloaded nut cannot be calculated,
-        an `InputError` states the reason. `to_dict()["torque_parts"]` contains the components of the torque.
+        The torque is NaN if load, speed or friction is not given. If the torque cannot be calculated, for example because
+        the balls have no steady motion, an `InputError` states the reason and, if an input is the cause, its `key`,
+        `value` and `rule`. `to_dict()["torque_parts"]` contains the components of the torque.
         """
         return self.screw_torque()
 
@@ -2341,8 +2342,10 @@ def select_nuts(
         except InputError as error:
             error.add_note("columns_from maps column names to names of this package, or to None for columns to ignore")
             raise
-        found, nuts, verdicts, grooves, warnings, kept = _core.manufacturers(table, names, required)
-        columns: dict[str, Any] = {"nut": np.array(nuts, dtype=object)}
+        rows = _core.manufacturers(table, names, required)
+        found, verdicts, grooves = rows["columns"], rows["verdicts"], rows["grooves"]
+        kept, warnings = rows["nuts"], rows["warnings"]
+        columns: dict[str, Any] = {"nut": np.array(rows["names"], dtype=object)}
         columns |= {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
         if required is not None:
             columns["passes"] = np.array([passes is True for passes, _ in verdicts], dtype=bool)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Self, TypeAlias
+from typing import Any, Self, TypeAlias, TypedDict
 
 __version__: str
 
@@ -192,9 +192,16 @@ def select_nuts(
     descending: bool,
     first: int | None,
 ) -> tuple[list[tuple[str, str, Any]], Nuts]: ...
+
+class ManufacturerTable(TypedDict):
+    columns: list[tuple[str, str, Any]]
+    names: list[str]
+    verdicts: list[tuple[bool | None, list[str]]]
+    grooves: list[str | None]
+    warnings: list[str]
+    nuts: Nuts
+
 def manufacturers(
     table: bytes, names: dict[str, str | None], requirement: dict[str, Any] | None
-) -> tuple[
-    list[tuple[str, str, Any]], list[str], list[tuple[bool | None, list[str]]], list[str | None], list[str], Nuts
-]: ...
+) -> ManufacturerTable: ...
 def optimum(case: Case, model: str | None) -> Answer: ...

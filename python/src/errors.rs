@@ -41,6 +41,7 @@ becomes! {
     PyArrowError: PyErr::from;
     io::Error: PyErr::from;
     CaseError: |error| input(&error);
+    &CaseError: input;
     TableError: |error| table(&error);
     DatasetError: folder;
     // A message without further attributes becomes an `InputError`.

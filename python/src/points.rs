@@ -15,8 +15,8 @@ use arrow_array::{Array, ArrayRef, Float64Array};
 use arrow_buffer::{Buffer, NullBuffer, ScalarBuffer};
 use bsm_batch::{
     AnswerSink, Answers, Buffers, Chunk, Columns, Distribution, Format, GridSource, ROWS_PER_CHUNK,
-    RandomInput, RandomPoints, RowReport, Source, TableError, TableFormat, TableSink, Task,
-    Verdict, Workers,
+    RandomInput, RandomPoints, RowOutcome, RowReport, Source, TableError, TableFormat, TableSink,
+    Task, Workers,
 };
 use bsm_case::{AxisValues, CaseError, Grid, GridAxis, ModelChoice, OUTPUTS, Output};
 use bsm_dyn::Status;
@@ -89,7 +89,7 @@ impl Origin {
 pub(crate) struct Rows {
     origin: Origin,
     outputs: Vec<&'static Output>,
-    verdicts: Vec<Verdict>,
+    outcomes: Vec<RowOutcome>,
     messages: Vec<(usize, String)>,
     columns: Vec<ScalarBuffer<f64>>,
 }
@@ -100,7 +100,7 @@ type Words = (PyArrowBuffer, Vec<&'static str>);
 #[pymethods]
 impl Rows {
     fn __len__(&self) -> usize {
-        self.verdicts.len()
+        self.outcomes.len()
     }
 
     /// Returns the names of the input columns, spelled as in the table.
@@ -114,17 +114,17 @@ impl Rows {
     /// Returns the index of the model for each row, together with the list of model names.
     fn models(&self) -> Words {
         let names: Vec<_> = ModelChoice::names().collect();
-        let place = |verdict: &Verdict| match verdict.model {
+        let place = |outcome: &RowOutcome| match outcome.model {
             ModelChoice::Auto => 0,
             ModelChoice::Fixed(model) => 1 + model as u8,
         };
-        (codes(self.verdicts.iter().map(place).collect()), names)
+        (codes(self.outcomes.iter().map(place).collect()), names)
     }
 
     /// Returns the index of the status for each row, together with the list of status names.
     fn statuses(&self) -> Words {
         let names = Status::ALL.map(Status::name).to_vec();
-        (codes(self.verdicts.iter().map(|verdict| verdict.status as u8).collect()), names)
+        (codes(self.outcomes.iter().map(|outcome| outcome.status as u8).collect()), names)
     }
 
     /// Returns the messages of rows: why a row has no result, or why `auto` chose the model of the
@@ -162,7 +162,7 @@ impl Rows {
                 of_chunk.push((row - first, text.clone()));
             }
             let answers = Answers {
-                verdicts: self.verdicts[rows.clone()].to_vec(),
+                outcomes: self.outcomes[rows.clone()].to_vec(),
                 messages: of_chunk,
                 columns: self.columns.iter().map(|column| column[rows.clone()].to_vec()).collect(),
             };
@@ -384,19 +384,19 @@ fn drive(
     watched(py, task.is_quick(len), len, threads, progress, |stop, done| {
         gathered.fill(task, origin.source().as_mut(), stop, done)
     })?;
-    let RowAnswers { verdicts, messages, columns, .. } = gathered;
+    let RowAnswers { outcomes, messages, columns, .. } = gathered;
     let nothing = OnceCell::new();
     let column = |column: Option<Vec<f64>>| match column {
         Some(values) => ScalarBuffer::from(values),
         None => nothing.get_or_init(|| ScalarBuffer::from(vec![f64::NAN; len])).clone(),
     };
     let columns = columns.into_iter().map(column).collect();
-    Ok(Rows { origin, outputs: task.outputs.clone(), verdicts, messages, columns })
+    Ok(Rows { origin, outputs: task.outputs.clone(), outcomes, messages, columns })
 }
 
 /// Results of all rows of a table.
 struct RowAnswers {
-    verdicts: Vec<Verdict>,
+    outcomes: Vec<RowOutcome>,
     messages: Vec<(usize, String)>,
     /// Output columns. A column is `None` as long as no row has a value.
     columns: Vec<Option<Vec<f64>>>,
@@ -411,10 +411,10 @@ impl RowAnswers {
         // table that fits into a single chunk. If all outputs are requested for a longer table,
         // most of them belong to models that were not used, so only existing values are returned.
         let own = if len <= ROWS_PER_CHUNK || outputs < OUTPUTS.len() { outputs } else { 0 };
-        let Answers { verdicts, messages, columns } = Answers::allocate(len, own);
+        let Answers { outcomes, messages, columns } = Answers::allocate(len, own);
         let mut columns: Vec<_> = columns.into_iter().map(Some).collect();
         columns.resize(outputs, None);
-        Self { verdicts, messages, columns, len, text }
+        Self { outcomes, messages, columns, len, text }
     }
 
     /// Solves all rows of a source and stores their results.
@@ -426,15 +426,15 @@ impl RowAnswers {
         done: &AtomicU64,
     ) -> Result<(), TableError> {
         let named = source.columns().clone();
-        let mut verdicts = &mut self.verdicts[..];
+        let mut outcomes = &mut self.outcomes[..];
         let mut first = 0;
         while !stop.load(Ordering::Relaxed) {
             let Some(chunk) = source.next(ROWS_PER_CHUNK)? else { break };
             let rows = first..first + chunk.len;
-            let here = verdicts.split_off_mut(..chunk.len).unwrap_or_default();
+            let here = outcomes.split_off_mut(..chunk.len).unwrap_or_default();
             let columns = self.columns.iter_mut();
             let columns = columns.map(|column| Some(&mut column.as_mut()?[rows.clone()])).collect();
-            let buffers = Buffers { verdicts: &mut *here, columns };
+            let buffers = Buffers { outcomes: &mut *here, columns };
             let RowReport { messages, values } =
                 task.solve_into((&chunk, &named), buffers, stop, done);
             let wanted = |row: usize| self.text || here[row].status != Status::Converged;

@@ -428,20 +428,24 @@ fn requirement_of(
     entries.map(read).transpose()
 }
 
-/// Results for the nuts of a manufacturer's table, as returned by [`manufacturers`].
-type ManufacturerTable = (
-    Table,
-    Vec<String>,
-    Vec<(Option<bool>, Vec<&'static str>)>,
-    Vec<Option<String>>,
-    Vec<String>,
-    Nuts,
-);
+/// Results for the nuts of a manufacturer's table. Python receives a dict.
+#[derive(IntoPyObject)]
+pub(crate) struct ManufacturerTable {
+    /// Numeric columns.
+    columns: Table,
+    /// Name of each nut.
+    names: Vec<String>,
+    /// For each nut, whether it passes the rules of the requirement (`None` if undecided), and the
+    /// names of the failed rules. The list is empty without a requirement.
+    verdicts: Vec<(Option<bool>, Vec<&'static str>)>,
+    /// How the groove of each nut was determined; `None` if the groove is given.
+    grooves: Vec<Option<String>>,
+    warnings: Vec<String>,
+    /// The nuts as cases.
+    nuts: Nuts,
+}
 
-/// Compares the catalog data in a manufacturer's table with calculated values. Returns the numeric
-/// columns. For each nut, also returns its name, whether it passes the rules of a requirement
-/// (`None` if undecided), the names of the failed rules, and how its groove was determined. The
-/// result also contains warnings, and the nuts as cases.
+/// Compares the catalog data in a manufacturer's table with calculated values.
 ///
 /// * `table`: manufacturer's table as CSV text.
 /// * `names`: map from the column names of the table to the names of the program.
@@ -472,7 +476,7 @@ pub(crate) fn manufacturers(
     let grooves = rows.iter().map(|row| row.groove.clone()).collect();
     let warnings = ManufacturerRow::answer(&listed, 0, |_| true).warnings;
     let nuts = Nuts(Box::new(move |row| rows.get(row).map(|row| row.case.to_json())));
-    Ok((columns, names, verdicts, grooves, warnings, nuts))
+    Ok(ManufacturerTable { columns, names, verdicts, grooves, warnings, nuts })
 }
 
 /// Returns the name, unit and values of each column in a list of nuts.

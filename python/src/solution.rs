@@ -34,9 +34,9 @@ pub(crate) struct Solution {
     solved: bsm_case::Case,
     settings: Settings,
     record: Record,
-    /// Torque of the whole screw, calculated on first access. If the torque cannot be calculated,
-    /// the field contains a message that explains why.
-    screw_torque: OnceLock<Result<f64, String>>,
+    /// Torque of the whole screw \[N·m\], calculated on first access, or the reason why it cannot be
+    /// calculated. The torque is NaN if load, speed or friction is missing.
+    screw_torque: OnceLock<Result<f64, CaseError>>,
 }
 
 #[pymethods]
@@ -121,15 +121,20 @@ impl Solution {
         OUTPUTS.get(place)?.word(self.number(place))
     }
 
-    /// Returns the torque of the whole screw \[N·m\], or NaN if the model calculates no torque.
+    /// Returns the torque of the whole screw \[N·m\], or NaN if load, speed or friction is missing.
     fn screw_torque(&self, py: Python<'_>) -> Result<f64> {
-        let solve =
-            || match torque_parts(&self.solved, &self.settings, &mut ModelWorkspace::default()) {
-                Ok(parts) => Ok(parts.and_then(|parts| parts.torque()).unwrap_or(f64::NAN)),
-                Err(error) => Err(format!("the screw torque is not calculated: {error}")),
+        let solve = || {
+            let work = &mut ModelWorkspace::default();
+            let Some(parts) = torque_parts(&self.solved, &self.settings, work)? else {
+                return Ok(f64::NAN);
             };
+            let reason = &parts.contacts;
+            parts.torque().ok_or_else(|| {
+                CaseError::Invalid(format!("the screw torque is not calculated: {reason}"))
+            })
+        };
         let torque = py.detach(|| self.screw_torque.get_or_init(solve));
-        torque.clone().map_err(Error::from)
+        torque.as_ref().copied().map_err(Error::from)
     }
 
     /// Returns the JSON that the program prints with `--show band --json`.
@@ -182,7 +187,7 @@ pub(crate) fn sensitivities(case: &Bound<'_, Case>, how: How) -> Result<Option<V
 }
 
 /// Inputs that are calculated from other inputs if they are not given.
-const SET_BY_OTHERS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loaded_balls];
+const DERIVED_INPUTS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loaded_balls];
 
 /// Returns the values of an output at many points, and its derivatives with respect to each input
 /// in `wrt`, point by point. At a point without a solution, the value and the derivatives are NaN.
@@ -234,7 +239,8 @@ pub(crate) fn gradient(
                 key.name()
             )));
         }
-        if let Some(target) = SET_BY_OTHERS.into_iter().find(|target| sets(*target, *key, &first)) {
+        if let Some(target) = DERIVED_INPUTS.into_iter().find(|target| sets(*target, *key, &first))
+        {
             let [key, target] = [*key, target].map(InputKey::name);
             return Err(Error::from(format!(
                 "`{key}` also determines {target} in this case, but exact derivatives hold {target} constant; \

@@ -76,6 +76,15 @@ def test_screw_torque_attribute_equals_the_screw_torque_in_the_report(screw: bs.
     assert table["screw_torque_Nm"][0] == pytest.approx(solution.screw_torque_Nm, rel=1e-10)
 
 
+def test_error_of_the_screw_torque_names_the_input_that_causes_it(screw: bs.Case) -> None:
+    # The model of one ball does not use the circuits of the preloaded nut, but the screw torque does.
+    solution = bs.solve(screw, preload_N=1000, circuits_count=1000)
+    for _ in range(2):
+        with pytest.raises(bs.InputError, match="without a ball") as caught:
+            _ = solution.screw_torque_Nm
+        assert caught.value.key == "loaded_balls_per_turn"
+
+
 def test_random_points_equal_the_random_points_of_the_program(screw: bs.Case, tmp_path: Path) -> None:
     points = bs.draw({"axial_load_N": bs.uniform(1e3, 2e4), "friction_coefficient": bs.normal(0.06, 0.01)}, 50, seed=7)
     table = bs.solve_many(points, screw, columns=["efficiency"], text=True)

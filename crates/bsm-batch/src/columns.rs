@@ -93,7 +93,7 @@ impl Columns {
             let own = own.trim();
             renamed.retain(|name| *name != own);
             let is_kept = keep.iter().any(|kept| kept == own);
-            let Some(name) = (if is_kept { Some(own) } else { table_format.name(own) }) else {
+            let Some(name) = (if is_kept { Some(own) } else { table_format.input_of(own) }) else {
                 columns.unread.push(own.to_owned());
                 continue;
             };

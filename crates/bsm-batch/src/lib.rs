@@ -68,8 +68,8 @@ pub use error::{TableError, UnknownName};
 pub use panics::{catch_panic, silence_caught_panics};
 #[cfg(feature = "parquet")]
 pub use parquet_table::ParquetSource;
-pub use pipeline::{Count, ROWS_PER_CHUNK, RunError, Workers};
-pub use rows::{Answers, Cell, Cells, Chunk, Verdict};
+pub use pipeline::{Count, RunError, Workers};
+pub use rows::{Answers, Cell, Chunk, ROWS_PER_CHUNK, RowCells, RowOutcome};
 pub use solve::{Buffers, RowReport};
 pub use source::{GridSource, PointSet, PointSource, Source};
 pub use table::{ColumnHead, Format, METADATA_KEY, TableSink};

@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use crate::columns::Columns;
 use crate::pages::Pages;
 use crate::panics::catch_panic;
-use crate::pipeline::ROWS_PER_CHUNK;
+use crate::rows::ROWS_PER_CHUNK;
 use crate::rows::{Chunk, MAX_TEXT_BYTES};
 use crate::{Source, TableError, TableFormat, arrow_column};
 

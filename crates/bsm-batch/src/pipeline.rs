@@ -8,20 +8,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::{self, available_parallelism};
 
+use bsm_case::Output;
 use bsm_dyn::Status;
 use bsm_simd::Arch;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use crate::rows::ROWS_PER_CHUNK;
 use crate::solve::Solver;
 use crate::{AnswerSink, Answers, Chunk, Format, Source, TableError, TableFormat, TableSink, Task};
 
 /// Stack size of a thread \[B\]. In unoptimized builds, the kernels keep all their intermediate
 /// results on the stack, which takes about 4 MB.
 const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
-
-/// Number of rows per chunk. Each page of a Parquet table contains one chunk, so the contents of
-/// the file depend on this number.
-pub const ROWS_PER_CHUNK: usize = 1 << 16;
 
 /// Counts of the rows that a run has written.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
@@ -185,6 +183,12 @@ impl Task {
     ) -> Result<(S, Count), RunError> {
         let columns = source.columns().clone();
         let solver = Solver::new(self, &columns);
+        // Indices of the input columns whose missing values are filled with results.
+        let column_of = |output: &&Output| {
+            let place = columns.inputs.iter().position(|key| key.name() == output.name);
+            place.expect("only columns of the table are filled")
+        };
+        let filled: Vec<_> = self.filled.iter().map(column_of).collect();
         let (read, chunks) = sync_channel(1);
         thread::scope(|scope| {
             thread::Builder::new()
@@ -202,13 +206,8 @@ impl Task {
                 }
                 written?;
                 seen(&chunk, &answers);
-                for (output, values) in
-                    self.filled.iter().zip(&answers.columns[self.outputs.len()..])
-                {
-                    let index = columns.inputs.iter().position(|key| key.name() == output.name);
-                    if let Some(index) = index {
-                        chunk.complete(index, values);
-                    }
+                for (index, values) in filled.iter().zip(&answers.columns[self.outputs.len()..]) {
+                    chunk.complete(*index, values);
                 }
                 behind = Some((chunk, answers));
             }
@@ -240,9 +239,9 @@ fn write<S: AnswerSink>(
     solved: Option<(Chunk, Answers)>,
 ) -> Result<(), RunError> {
     let Some((chunk, answers)) = solved else { return Ok(()) };
-    let verdicts = &answers.verdicts;
-    count.rows += verdicts.len() as u64;
-    count.with_other_solutions += verdicts.iter().filter(|v| v.has_others).count() as u64;
-    count.failed += verdicts.iter().filter(|v| v.status != Status::Converged).count() as u64;
+    let outcomes = &answers.outcomes;
+    count.rows += outcomes.len() as u64;
+    count.with_other_solutions += outcomes.iter().filter(|v| v.has_others).count() as u64;
+    count.failed += outcomes.iter().filter(|v| v.status != Status::Converged).count() as u64;
     sink.write(chunk, answers).map_err(RunError::Write)
 }

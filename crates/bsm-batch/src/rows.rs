@@ -21,6 +21,10 @@ use crate::columns::{ANSWERS, Columns};
 use crate::error::UnknownName;
 use crate::{TableError, arrow_column};
 
+/// Number of rows per chunk. Each page of a Parquet table contains one chunk, so the contents of
+/// the file depend on this number.
+pub const ROWS_PER_CHUNK: usize = 1 << 16;
+
 /// The value of a table cell.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell<'a> {
@@ -220,7 +224,7 @@ impl<'a> ChunkBuilder<'a> {
 
 /// Model and status with which a row was solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Verdict {
+pub struct RowOutcome {
     /// Model that solved the row, or the requested model if the row has no result.
     pub model: ModelChoice,
     /// Status with which the calculation of the row ended.
@@ -234,7 +238,7 @@ pub struct Verdict {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answers {
     /// Model and status of each row.
-    pub verdicts: Vec<Verdict>,
+    pub outcomes: Vec<RowOutcome>,
     /// Row index and message, in ascending order of the row index. A message states the reason why
     /// the row has no result or why `auto` chose its model.
     pub messages: Vec<(usize, String)>,
@@ -247,7 +251,7 @@ impl Answers {
     /// Allocates buffers for the results of a chunk with the given number of rows and outputs.
     pub fn allocate(rows: usize, outputs: usize) -> Self {
         let model = ModelChoice::Auto;
-        let verdict = Verdict { model, status: Status::NotConverged, has_others: false };
+        let outcome = RowOutcome { model, status: Status::NotConverged, has_others: false };
         // The operating system provides zeroed memory pages, which occupy no physical memory until
         // the program writes to them.
         let column = || {
@@ -256,7 +260,7 @@ impl Answers {
             column
         };
         Self {
-            verdicts: vec![verdict; rows],
+            outcomes: vec![outcome; rows],
             messages: Vec::new(),
             columns: (0..outputs).map(|_| column()).collect(),
         }
@@ -307,16 +311,16 @@ impl Answers {
         schema: &SchemaRef,
         outputs: &[&'static Output],
     ) -> Result<RecordBatch, TableError> {
-        let verdicts = &self.verdicts[..];
-        let models = text_column(verdicts, |a, b| a.model == b.model, |v| Some(v.model.name()));
+        let outcomes = &self.outcomes[..];
+        let models = text_column(outcomes, |a, b| a.model == b.model, |v| Some(v.model.name()));
         let statuses =
-            text_column(verdicts, |a, b| a.status == b.status, |v| Some(v.status.name()));
+            text_column(outcomes, |a, b| a.status == b.status, |v| Some(v.status.name()));
         let mut messages = StringBuilder::new();
         for (row, message) in &self.messages {
             messages.append_nulls(row - messages.len());
             messages.append_value(message);
         }
-        messages.append_nulls(verdicts.len() - messages.len());
+        messages.append_nulls(outcomes.len() - messages.len());
         let inputs = chunk.inputs.iter().map(|input| Arc::new(input.clone()) as ArrayRef);
         let before = chunk.kept.iter().cloned().chain(inputs);
         let before = before.chain([models, statuses, Arc::new(messages.finish())]);
@@ -371,7 +375,7 @@ pub(crate) fn numbers(values: Vec<f64>) -> Float64Array {
 }
 
 /// Access to the cells of a table, row by row.
-pub struct Cells<'a> {
+pub struct RowCells<'a> {
     columns: Vec<ArrowColumn<'a>>,
     texts: &'a BTreeMap<(usize, usize), String>,
     kept: usize,
@@ -386,7 +390,7 @@ enum ArrowColumn<'a> {
     Values(Vec<Value>),
 }
 
-impl<'a> Cells<'a> {
+impl<'a> RowCells<'a> {
     /// Creates a view of the cells of a table. `chunk` is the chunk from which the table was
     /// created.
     ///

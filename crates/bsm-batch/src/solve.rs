@@ -14,7 +14,7 @@ use bsm_simd::Arch;
 use rayon::prelude::*;
 
 use crate::column_plan::ColumnPlan;
-use crate::{Answers, Chunk, Columns, Task, Verdict};
+use crate::{Answers, Chunk, Columns, RowOutcome, Task};
 
 /// Number of rows that a thread takes at a time if a kernel solves the rows. The number is large,
 /// because handing rows to a thread takes as long as solving many rows with a kernel.
@@ -39,7 +39,7 @@ thread_local! {
 #[derive(Debug)]
 pub struct Buffers<'a> {
     /// Status of each row.
-    pub verdicts: &'a mut [Verdict],
+    pub outcomes: &'a mut [RowOutcome],
     /// For each output of the task, a buffer with one value per row, or `None` if the caller
     /// provides no buffer. Without a buffer, the values of the output are returned in
     /// [`RowReport::values`]. In most cases there are no values, because the model does not
@@ -65,12 +65,12 @@ impl<'a> Buffers<'a> {
     fn parts(self, stride: usize) -> Vec<ChunkPart<'a>> {
         let columns = self.columns.into_iter();
         let mut columns: Vec<_> = columns.map(|c| Some(c?.chunks_mut(stride))).collect();
-        let part = |(i, verdicts)| ChunkPart {
+        let part = |(i, outcomes)| ChunkPart {
             first: i * stride,
-            verdicts,
+            outcomes,
             columns: columns.iter_mut().map(|column| column.as_mut()?.next()).collect(),
         };
-        self.verdicts.chunks_mut(stride).enumerate().map(part).collect()
+        self.outcomes.chunks_mut(stride).enumerate().map(part).collect()
     }
 }
 
@@ -86,7 +86,7 @@ impl RowReport {
 struct ChunkPart<'a> {
     /// Index, within the chunk, of the first row.
     first: usize,
-    verdicts: &'a mut [Verdict],
+    outcomes: &'a mut [RowOutcome],
     columns: Vec<Option<&'a mut [f64]>>,
 }
 
@@ -179,7 +179,7 @@ impl<'a> Solver<'a> {
     pub(crate) fn solve(&self, arch: Arch, stop: &AtomicBool, chunk: &Chunk) -> Answers {
         let mut answers = Answers::allocate(chunk.len, self.outputs.len());
         let buffers = Buffers {
-            verdicts: &mut answers.verdicts,
+            outcomes: &mut answers.outcomes,
             columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),
         };
         answers.messages = self.fill(arch, stop, &AtomicU64::new(0), chunk, buffers).messages;
@@ -209,7 +209,7 @@ impl<'a> Solver<'a> {
             if stop.load(Ordering::Relaxed) {
                 return RowReport::default();
             }
-            let rows = part.verdicts.len();
+            let rows = part.outcomes.len();
             let report = run.solve(part);
             count.fetch_add(rows as u64, Ordering::Relaxed);
             report
@@ -238,17 +238,17 @@ struct ChunkSolve<'a> {
 
 impl ChunkSolve<'_> {
     /// Solves consecutive rows of the chunk.
-    fn solve(&self, ChunkPart { first, verdicts, columns }: ChunkPart<'_>) -> RowReport {
+    fn solve(&self, ChunkPart { first, outcomes, columns }: ChunkPart<'_>) -> RowReport {
         let column = |column: Option<_>| match column {
             Some(values) => {
                 let values: &mut [f64] = values;
                 values.fill(f64::NAN);
                 OutputColumn::Given(values)
             }
-            None => OutputColumn::on_demand(verdicts.len()),
+            None => OutputColumn::on_demand(outcomes.len()),
         };
         let mut outputs: Vec<_> = columns.into_iter().map(column).collect();
-        let messages = self.rows(first, verdicts, &mut outputs);
+        let messages = self.rows(first, outcomes, &mut outputs);
         let mut values = Vec::new();
         for (index, column) in outputs.into_iter().enumerate() {
             // A column may be empty even if the kernel has stored values in it, because values of
@@ -269,19 +269,19 @@ impl ChunkSolve<'_> {
     fn rows(
         &self,
         first: usize,
-        verdicts: &mut [Verdict],
+        outcomes: &mut [RowOutcome],
         outputs: &mut [OutputColumn<'_>],
     ) -> Vec<(usize, String)> {
         let solver = self.solver;
         let settings = &solver.task.settings;
         let model = self.kernel.as_ref().map_or(settings.model, |(_, model)| *model);
-        verdicts.fill(Verdict { model, status: Status::Converged, has_others: false });
-        let (mut done, mut messages) = (vec![false; verdicts.len()], BTreeMap::new());
+        outcomes.fill(RowOutcome { model, status: Status::Converged, has_others: false });
+        let (mut done, mut messages) = (vec![false; outcomes.len()], BTreeMap::new());
         if let Some((inputs, model)) = &self.kernel {
             let (wanted, columns) = (&self.wanted, &mut *outputs);
             let rows = Rows { inputs, wanted, first, columns, done: &mut done };
             for RowChoice { row, choice, bound } in rows.solve(self.arch, *model, settings) {
-                verdicts[row].model = choice.basis.model().into();
+                outcomes[row].model = choice.basis.model().into();
                 messages.insert(row, reason_of_choice(&choice, Some(bound)));
             }
         }
@@ -299,8 +299,8 @@ impl ChunkSolve<'_> {
             }
             let store = |index: usize, value| outputs[index].set(i, value);
             let row_messages = messages.remove(&i).into_iter().collect();
-            let (verdict, message) = self.row(first + i, *done, row_messages, store);
-            verdicts[i] = verdict.unwrap_or(verdicts[i]);
+            let (outcome, message) = self.row(first + i, *done, row_messages, store);
+            outcomes[i] = outcome.unwrap_or(outcomes[i]);
             messages.extend(message.map(|message| (i, message)));
         }
         messages.into_iter().map(|(row, message)| (first + row, message)).collect()
@@ -317,7 +317,7 @@ impl ChunkSolve<'_> {
         by_kernel: bool,
         messages: Vec<String>,
         mut store: impl FnMut(usize, f64),
-    ) -> (Option<Verdict>, Option<String>) {
+    ) -> (Option<RowOutcome>, Option<String>) {
         let task = self.solver.task;
         let given = self.chunk.case(self.solver.columns, &task.base, row);
         // A case occupies several kilobytes, so it is passed by reference.
@@ -336,14 +336,14 @@ impl ChunkSolve<'_> {
     }
 
     /// Returns the status and the message of a case that cannot be solved.
-    fn invalid(&self, error: &CaseError) -> (Option<Verdict>, Option<String>) {
+    fn invalid(&self, error: &CaseError) -> (Option<RowOutcome>, Option<String>) {
         let status = match error {
             CaseError::NoWarmState(_) => Status::NoSolution,
             _ => Status::InvalidInput,
         };
         let model = self.solver.task.settings.model;
-        let verdict = Verdict { model, status, has_others: false };
-        (Some(verdict), Some(error.to_string()))
+        let outcome = RowOutcome { model, status, has_others: false };
+        (Some(outcome), Some(error.to_string()))
     }
 
     /// Calculates the 90 % intervals of the outputs over the possible grooves of a case, and stores
@@ -393,9 +393,9 @@ impl ChunkSolve<'_> {
         by_kernel: bool,
         mut messages: Vec<String>,
         mut store: impl FnMut(usize, f64),
-    ) -> (Option<Verdict>, Option<String>) {
+    ) -> (Option<RowOutcome>, Option<String>) {
         let settings = &self.solver.task.settings;
-        let (mut verdict, mut motion) = (None, None);
+        let (mut outcome, mut motion) = (None, None);
         let solves = self.solver.task.solves();
         let moves = self.solver.analyses.iter().any(|kind| kind.needs_solution());
         if solves && (moves || !by_kernel) {
@@ -404,7 +404,7 @@ impl ChunkSolve<'_> {
                 Err(error) => return self.invalid(&error),
             };
             if !by_kernel {
-                verdict = Some(Verdict {
+                outcome = Some(RowOutcome {
                     model: record.model(),
                     status: record.status(),
                     has_others: record.has_others(),
@@ -442,6 +442,6 @@ impl ChunkSolve<'_> {
                 Err(error) => messages.push(format!("{}: {error}", kind.name())),
             }
         }
-        (verdict, (!messages.is_empty()).then(|| messages.join("; ")))
+        (outcome, (!messages.is_empty()).then(|| messages.join("; ")))
     }
 }

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value};
 
 use crate::columns::{Columns, is_answer};
-use crate::rows::{Cell, Cells, Chunk, ChunkBuilder, MAX_TEXT_BYTES};
+use crate::rows::{Cell, Chunk, ChunkBuilder, MAX_TEXT_BYTES, RowCells};
 use crate::{Source, TableError, TableFormat};
 
 /// Parses the text of a table cell.
@@ -221,7 +221,7 @@ enum RowForm {
 }
 
 impl RowForm {
-    fn text(&self, cells: &Cells<'_>, rows: Range<usize>) -> io::Result<Vec<u8>> {
+    fn text(&self, cells: &RowCells<'_>, rows: Range<usize>) -> io::Result<Vec<u8>> {
         match self {
             Self::Csv { writer, decimal } => csv_rows(writer, *decimal, cells, rows),
             Self::JsonLines { before } => json_rows(before, cells, rows),
@@ -233,7 +233,7 @@ impl RowForm {
 fn csv_rows(
     writer: &WriterBuilder,
     decimal: u8,
-    cells: &Cells<'_>,
+    cells: &RowCells<'_>,
     rows: Range<usize>,
 ) -> io::Result<Vec<u8>> {
     let (mut to, mut digits) = (Vec::new(), Vec::new());
@@ -264,7 +264,7 @@ fn csv_rows(
 }
 
 /// Converts rows to JSON Lines text, with one JSON object per line.
-fn json_rows(before: &[Vec<u8>], cells: &Cells<'_>, rows: Range<usize>) -> io::Result<Vec<u8>> {
+fn json_rows(before: &[Vec<u8>], cells: &RowCells<'_>, rows: Range<usize>) -> io::Result<Vec<u8>> {
     let mut to = Vec::new();
     for row in rows {
         for (cell, before) in cells.row(row).zip(before) {
@@ -320,7 +320,7 @@ impl<W: Write> TextSink<W> {
     /// Writes the rows of a chunk. The rows are converted to text in parallel, and are written in
     /// their original order.
     pub(crate) fn write(&mut self, table: &RecordBatch, chunk: &Chunk) -> Result<(), TableError> {
-        let (cells, rows, form) = (Cells::of(table, chunk)?, table.num_rows(), &self.form);
+        let (cells, rows, form) = (RowCells::of(table, chunk)?, table.num_rows(), &self.form);
         for first in (0..rows).step_by(SLICE_ROWS * SLICES) {
             let slice = |i: usize| {
                 let from = (first + i * SLICE_ROWS).min(rows);

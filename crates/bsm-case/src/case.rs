@@ -1,7 +1,9 @@
 //! Conversion of case files to problems in SI units.
 
 pub(crate) mod axis;
+pub(crate) mod axis_inputs;
 pub(crate) mod catalog;
+pub(crate) mod catalog_keys;
 pub(crate) mod catalog_line;
 pub(crate) mod cycle;
 pub(crate) mod file;

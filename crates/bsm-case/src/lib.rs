@@ -3,8 +3,9 @@
 //! This is the only crate that uses millimeters, degrees and rpm. A [`Case`] contains one operating
 //! point with the names and units of the vocabulary. [`Case::problem`] converts it to the problem
 //! of a model in SI units, and [`Record`] converts the solution back. Ratings, designs, fits and
-//! analyses use the same vocabulary. The crate does not solve anything itself: it contains no
-//! iterative solvers, searches or convergence tolerances.
+//! analyses use the same vocabulary. The models, the equilibrium of a nut and the search for a
+//! design are in other crates; this crate contains the fits of inputs to measured values and
+//! combines the results of the other crates to answers.
 //! The model choice `auto` selects the fastest model that is accurate enough:
 //!
 //! ```
@@ -62,7 +63,8 @@ pub use answers::slip::slip;
 pub use answers::warm::{WarmBranch, WarmPoint};
 pub use bsm_design::groove::{DRAWS, FEW_DRAWS};
 pub use bsm_design::statistics::Band;
-pub use case::catalog::{Catalog, LISTS, STANDARD_CATALOG};
+pub use case::catalog::{Catalog, STANDARD_CATALOG};
+pub use case::catalog_keys::LISTS;
 pub use case::grid::{AxisValues, Grid, GridAxis};
 pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, column_names};
 pub use case::nut::NutProblem;
@@ -80,7 +82,7 @@ pub use vocabulary::input::{Case, INPUTS, InputKey, MAX_EXACT_INTEGER, Rule};
 pub use vocabulary::input_set::{InputSet, derived_input};
 pub use vocabulary::lines::{Lines, OtherSeparator, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;
-pub use vocabulary::names::{GivenNames, RequirementChoice, entries, json_value_of, nearest_input};
+pub use vocabulary::names::{RequirementChoice, entries, json_value_of, nearest_input};
 pub use vocabulary::number::{
     format_digits, format_exact, format_interval, format_number, format_short, format_trimmed,
     format_with_interval, write_exact,

@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use bsm_case::{Answer, Case, DisplayUnits, printable};
-use bsm_report::Figure;
+use bsm_report::{Figure, figure_files, report_files};
 use serde_json::{Map, Value};
 
 use crate::args::OutArgs;
-use crate::failure::{Failure, print_message};
+use crate::console::print_message;
+use crate::failure::Failure;
 use crate::files::{self, InputFiles, ending_of, is_stdout, pretty_json, print, write_bytes};
 use crate::table;
 
@@ -129,7 +130,7 @@ impl Reply<'_> {
             Pictures::default()
         };
         let files = match &to.figures {
-            Some(folder) => files::drawn_files(folder, &drawn, &json)?,
+            Some(folder) => drawn_files(folder, &drawn, &json)?,
             None => Vec::new(),
         };
         let all = to.output.iter().chain(files.iter().map(|(path, _)| path));
@@ -159,7 +160,7 @@ impl Reply<'_> {
             }
         }
         if let Some(folder) = &to.figures {
-            files::write_drawn(folder, &drawn, &files)?;
+            write_drawn(folder, &drawn, &files)?;
         }
         let has_stdout = to.output.iter().any(|path| is_stdout(path));
         // JSON lists and tables cannot contain notes, so the notes are printed to standard error.
@@ -175,4 +176,39 @@ impl Reply<'_> {
         }
         if self.parts.iter().any(|(_, part)| part.fails) { Err(Failure::Unsolved) } else { Ok(()) }
     }
+}
+
+/// Returns the paths and contents of the figure files to write into a folder: an SVG file and a
+/// table for each figure. If there is an HTML page, the page and the results are included, and the
+/// figures go into a subfolder.
+fn drawn_files(
+    folder: &Path,
+    drawn: &Pictures,
+    results: &Value,
+) -> Result<Vec<(PathBuf, String)>, Failure> {
+    let files = match &drawn.page {
+        Some(page) => report_files(page.clone(), results, &drawn.figures)?,
+        None => figure_files("", &drawn.figures)?,
+    };
+    Ok(files.into_iter().map(|(name, text)| (folder.join(name), text)).collect())
+}
+
+/// Creates a folder and writes the figure files into it.
+fn write_drawn(
+    folder: &Path,
+    drawn: &Pictures,
+    files: &[(PathBuf, String)],
+) -> Result<(), Failure> {
+    let inner = if drawn.page.is_some() { folder.join("figures") } else { folder.to_owned() };
+    files::make_folder(&inner)?;
+    for (path, text) in files {
+        files::write(path, text)?;
+    }
+    let (count, folder) = (drawn.figures.len(), folder.display());
+    let what = match drawn.page {
+        Some(_) => "report.html, results.json and figures/".to_owned(),
+        None => format!("{count} figures (SVG and CSV)"),
+    };
+    print_message("note", &format!("wrote {what} in {folder}"));
+    Ok(())
 }

@@ -11,7 +11,7 @@ use bsm_case::{
     Settings,
 };
 use bsm_dyn::{Control, model::RacewayFriction};
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 
 use crate::failure::Failure;
@@ -22,46 +22,13 @@ const EXIT_CODES: &str = "Exit codes: 0 success; 1 error with files, disk, threa
                           invalid input or usage; 3 no solution or a failed check; 128 + N if \
                           signal N ended the program.";
 
-/// Help texts of `-o` and `--figures` for commands that write no HTML page.
-const FILES: [(&str, &str, &str); 4] = [
-    (
-        "select",
-        "Output file: .json for the case of the screw or of the first nut; .csv, .xlsx or `-` for the steps; \
-         .csv, .xlsx, `-`, .jsonl or .parquet for a list of nuts",
-        "Folder for figures (SVG and CSV): the figures of Sobolewski (2002) for the listed nuts, or ratings, stiffness and mass of the nuts in a TABLE.csv",
-    ),
-    (
-        "solve",
-        "Output file: .json for the output of --json; .csv or .xlsx for ratings and intermediate results",
-        "Folder for figures (SVG and CSV) of sweeps around the case: slip, jamming, optimum",
-    ),
-    (
-        "nut",
-        "Output file: .csv, .jsonl, .parquet, .xlsx or `-` for the table of --show; .json for the output of --json",
-        "Folder for figures (SVG and CSV): loads and angles along the helix, displacement, preload",
-    ),
-    (
-        "fit",
-        "Output file: .json for the output of --json; with --points also .svg or .png for a plot of measured and fitted values",
-        "Folder for the figure of --points (SVG and CSV)",
-    ),
-];
-
 /// Returns the command-line parser. The help text of every command ends with the exit codes.
 pub(crate) fn command() -> clap::Command {
     fn with_exit_codes(command: clap::Command) -> clap::Command {
         command.after_help(EXIT_CODES).mut_subcommands(with_exit_codes)
     }
-    let mut command = with_exit_codes(Cli::command());
-    for (name, files, figures) in FILES {
-        command = command.mut_subcommand(name, |command| {
-            command
-                .mut_arg("output", |arg| arg.help(format!("{files}. May be repeated")))
-                .mut_arg("figures", |arg| arg.help(figures))
-        });
-    }
     let models = PossibleValuesParser::new(ModelChoice::names().chain([ALL_MODELS]));
-    command
+    with_exit_codes(Cli::command())
         .mut_subcommand("solve", |solve| solve.mut_arg("model", |model| model.value_parser(models)))
 }
 
@@ -169,15 +136,31 @@ pub(crate) struct CaseArgs {
     /// Set or replace an input, for example --set screw_speed_rpm=3000. May be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     settings: Vec<String>,
-    /// Units of screen output, sheets, figures and table columns. JSON always has metric units.
-    #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
-    units: Option<String>,
+    #[command(flatten)]
+    units: UnitsArgs,
 }
 
-/// Appends the value of the option `--units` to the settings of the case.
-pub(crate) fn with_units(settings: &[String], units: Option<&String>) -> Vec<String> {
-    let units = units.map(|units| format!("display_units={units}"));
-    settings.iter().cloned().chain(units).collect()
+/// Option for the display units.
+#[derive(Debug, Args)]
+pub(crate) struct UnitsArgs {
+    /// Units of screen output, sheets, figures and table columns. JSON always has metric units.
+    #[arg(long, value_name = "UNITS", value_parser = display_units())]
+    units: Option<DisplayUnits>,
+}
+
+/// Returns the parser of the display units.
+fn display_units() -> impl TypedValueParser<Value = DisplayUnits> {
+    let names = DisplayUnits::NAMES.iter().map(|(name, _)| *name);
+    PossibleValuesParser::new(names)
+        .try_map(|name| DisplayUnits::from_name(&name).ok_or("unknown units"))
+}
+
+impl UnitsArgs {
+    /// Appends the display units to the settings of a case or a requirement, if they are given.
+    pub(crate) fn added_to(&self, settings: &[String]) -> Vec<String> {
+        let units = self.units.map(|units| format!("display_units={}", units.name()));
+        settings.iter().cloned().chain(units).collect()
+    }
 }
 
 impl CaseArgs {
@@ -193,12 +176,12 @@ impl CaseArgs {
 
     /// Reads the case and applies the settings without estimating a groove.
     pub(crate) fn read_as_given(&self) -> Result<Case, Failure> {
-        files::read_case(self.case.as_deref(), &with_units(&self.settings, self.units.as_ref()))
+        files::read_case(self.case.as_deref(), &self.units.added_to(&self.settings))
     }
 
     /// Reads a second case file and applies the same settings as for the first case.
     pub(crate) fn read_other(&self, path: &Path) -> Result<Case, Failure> {
-        files::read_case(Some(path), &with_units(&self.settings, self.units.as_ref()))
+        files::read_case(Some(path), &self.units.added_to(&self.settings))
     }
 
     /// Returns the name and SHA-256 hash of the case file, or `None` if the case does not come from
@@ -441,6 +424,14 @@ pub(crate) enum Show {
 }
 
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("output", |arg| arg.help(
+        "Output file: .json for the output of --json; .csv or .xlsx for ratings and intermediate results. May be repeated"
+    )),
+    mut_arg("figures", |arg| arg.help(
+        "Folder for figures (SVG and CSV) of sweeps around the case: slip, jamming, optimum"
+    ))
+)]
 pub(crate) struct SolveArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
@@ -491,6 +482,14 @@ pub(crate) enum NutTable {
 }
 
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("output", |arg| arg.help(
+        "Output file: .csv, .jsonl, .parquet, .xlsx or `-` for the table of --show; .json for the output of --json. May be repeated"
+    )),
+    mut_arg("figures", |arg| arg.help(
+        "Folder for figures (SVG and CSV): loads and angles along the helix, displacement, preload"
+    ))
+)]
 pub(crate) struct NutArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
@@ -543,6 +542,14 @@ pub(crate) enum SelectShow {
 }
 
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("output", |arg| arg.help(
+        "Output file: .json for the case of the screw or of the first nut; .csv, .xlsx or `-` for the steps; .csv, .xlsx, `-`, .jsonl or .parquet for a list of nuts. May be repeated"
+    )),
+    mut_arg("figures", |arg| arg.help(
+        "Folder for figures (SVG and CSV): the figures of Sobolewski (2002) for the listed nuts, or ratings, stiffness and mass of the nuts in a TABLE.csv"
+    ))
+)]
 pub(crate) struct SelectArgs {
     /// Requirement in JSON: load, motion, stroke, life; `-` reads standard input. Without list
     /// options, the best screw is chosen. With list options, the nuts that meet the requirement are
@@ -557,9 +564,8 @@ pub(crate) struct SelectArgs {
         requires = "requirement"
     )]
     settings: Vec<String>,
-    /// Units of the screen output and of columns. JSON always has metric units.
-    #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
-    units: Option<String>,
+    #[command(flatten)]
+    units: UnitsArgs,
     /// Optimize sizes and contact angles as continuous variables, with standard balls and the
     /// limits of Lin, Velinsky and Ravani (1994).
     #[arg(long, requires = "requirement", conflicts_with_all = ["from", "conditions", "pareto", "sort", "first", "columns", "figures"])]
@@ -610,19 +616,20 @@ impl SelectArgs {
 
     /// Returns the settings of the requirement, including the option `--units`.
     pub(crate) fn settings(&self) -> Vec<String> {
-        with_units(&self.settings, self.units.as_ref())
+        self.units.added_to(&self.settings)
     }
 
     /// Returns the display units. Without the option `--units`, these are the display units of the
     /// case `nut`, or metric units if there is no such case.
     pub(crate) fn display(&self, nut: Option<&Case>) -> DisplayUnits {
-        let named = |name: &String| DisplayUnits::NAMES.iter().find(|(own, _)| own == name);
-        let own = self.units.as_ref().and_then(named).map(|(_, units)| *units);
-        own.or(nut.map(Case::display_units)).unwrap_or_default()
+        self.units.units.or(nut.map(Case::display_units)).unwrap_or_default()
     }
 }
 
 #[derive(Debug, Args)]
+#[command(mut_arg("units", |arg| arg.help(
+    "Units of plots and table columns. A folder of parts always has metric units"
+)))]
 pub(crate) struct SweepArgs {
     /// Case in JSON, without the inputs of the points; `-` reads standard input.
     #[arg(value_name = "CASE.json", required_unless_present_any = ["settings", "points"])]
@@ -630,9 +637,8 @@ pub(crate) struct SweepArgs {
     /// Set or replace an input of the case. May be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pub(crate) settings: Vec<String>,
-    /// Units of plots and table columns. A folder of parts always has metric units.
-    #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
-    pub(crate) units: Option<String>,
+    #[command(flatten)]
+    pub(crate) units: UnitsArgs,
     /// Varied input: NAME=START:STOP:COUNT, NAME=START:STOP:COUNT:log or NAME=V1,V2,.. May be
     /// repeated; the last input varies fastest.
     #[arg(long, value_name = "NAME=VALUES", required_unless_present_any = ["draw", "points"], allow_hyphen_values = true, help_heading = "Points")]
@@ -734,6 +740,26 @@ pub(crate) enum PartSelection {
     Range(u64, u64),
 }
 
+#[cfg(feature = "parquet")]
+impl PartSelection {
+    /// Returns the numbers of the selected parts in increasing order.
+    ///
+    /// * `all`: number of parts of the dataset.
+    ///
+    /// # Errors
+    /// Returns a message if the selection contains parts that the dataset does not have.
+    pub(crate) fn numbers(self, all: u64) -> Result<impl Iterator<Item = u64> + Clone, String> {
+        let (parts, step) = match self {
+            Self::Share(first, step) => (first..all, step.get()),
+            Self::Range(from, to) if to > all => {
+                return Err(format!("--only {from}:{to} is outside the parts 0:{all} of the plan"));
+            }
+            Self::Range(from, to) => (from..to, 1),
+        };
+        Ok(parts.step_by(usize::try_from(step).unwrap_or(usize::MAX)))
+    }
+}
+
 /// Parses a nonnegative whole number such as 5000 or 5e7.
 fn parse_whole_number(text: &str) -> Result<u64, String> {
     let whole = |number: &f64| number.fract() == 0.0 && (0.0..=MAX_EXACT_INTEGER).contains(number);
@@ -778,6 +804,14 @@ pub(crate) struct CheckArgs {
 }
 
 #[derive(Debug, Args)]
+#[command(
+    mut_arg("output", |arg| arg.help(
+        "Output file: .json for the output of --json; with --points also .svg or .png for a plot of measured and fitted values. May be repeated"
+    )),
+    mut_arg("figures", |arg| arg.help(
+        "Folder for the figure of --points (SVG and CSV)"
+    ))
+)]
 pub(crate) struct FitArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,

@@ -1,18 +1,18 @@
 //! Failures of a command, with their exit codes.
 
 use std::fmt::Display;
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
 use bsm_batch::TableError;
-use bsm_case::{CaseError, InputSet, NameKind, OtherSeparator, brief, printable};
+use bsm_case::{CaseError, InputSet, NameKind, OtherSeparator, brief};
 use bsm_report::ReportError;
 #[cfg(feature = "validate")]
 use bsm_validate::ValidateError;
 use thiserror::Error;
 
-use crate::files::OutputFile;
+use crate::console::print_message;
 
 /// Reason why a command failed.
 #[derive(Debug, Error)]
@@ -204,24 +204,9 @@ impl From<ValidateError> for Failure {
     }
 }
 
-/// Prints the help text, the version or the usage error that the argument parser returned.
-pub(crate) fn usage(usage_error: &clap::Error) -> ExitCode {
-    match usage_error.print() {
-        Err(error) if !usage_error.use_stderr() => {
-            OutputFile::failure(Path::new("-"), &error).report()
-        }
-        _ => ExitCode::from(u8::try_from(usage_error.exit_code()).unwrap_or(2)),
-    }
-}
-
 /// Prints a note about inputs of the case that no ball model uses.
 pub(crate) fn note_unused(given: InputSet) {
     for note in given.unused_by_models() {
         print_message("note", &note);
     }
-}
-
-/// Prints one message to standard error. A failed write is ignored because it cannot be reported.
-pub(crate) fn print_message(kind: &str, text: &str) {
-    let _ = writeln!(io::stderr(), "{kind}: {}", printable(text));
 }

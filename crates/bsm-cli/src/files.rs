@@ -5,15 +5,14 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 use bsm_case::{Case, CaseError, column_names};
-use bsm_report::{figure_files, report_files};
 use serde_json::Value;
 use tempfile::NamedTempFile;
 
-use crate::answer::Pictures;
-use crate::failure::{Failure, print_message};
+use crate::console::print_message;
+use crate::failure::Failure;
 use crate::unfinished;
 
 /// Prefix of temporary file names. The prefix is followed by part of the final name and by
@@ -32,9 +31,6 @@ const MAX_JSON_BYTES: u64 = 1 << 20;
 
 /// Maximum size of a load cycle or a table of nuts \[B\]. This is enough for about a million rows.
 pub(crate) const MAX_TABLE_BYTES: u64 = 16 << 20;
-
-/// True after a write has failed because the file would have exceeded the size limit (`ulimit -f`).
-pub(crate) static FILE_TOO_LARGE: AtomicBool = AtomicBool::new(false);
 
 /// Prints a text and a newline to standard output.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
@@ -255,10 +251,10 @@ impl Write for OutputFile {
     }
 }
 
-/// Sets [`FILE_TOO_LARGE`] if a write failed because the file would have exceeded the size limit.
+/// Sets [`unfinished::FILE_TOO_LARGE`] if a write failed because the file would have exceeded the size limit.
 fn record_size_limit<T>(written: io::Result<T>) -> io::Result<T> {
     if written.as_ref().is_err_and(|e| e.kind() == ErrorKind::FileTooLarge) {
-        FILE_TOO_LARGE.store(true, Ordering::Relaxed);
+        unfinished::FILE_TOO_LARGE.store(true, Ordering::Relaxed);
     }
     written
 }
@@ -364,39 +360,4 @@ pub(crate) fn write_bytes(mut out: OutputFile, path: &Path, bytes: &[u8]) -> Res
 /// Creates a folder and its parent folders.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|e| Failure::file_operation("create folder", folder, &e))
-}
-
-/// Returns the paths and contents of the figure files to write into a folder: an SVG file and a
-/// table for each figure. If there is an HTML page, the page and the results are included, and the
-/// figures go into a subfolder.
-pub(crate) fn drawn_files(
-    folder: &Path,
-    drawn: &Pictures,
-    results: &Value,
-) -> Result<Vec<(PathBuf, String)>, Failure> {
-    let files = match &drawn.page {
-        Some(page) => report_files(page.clone(), results, &drawn.figures)?,
-        None => figure_files("", &drawn.figures)?,
-    };
-    Ok(files.into_iter().map(|(name, text)| (folder.join(name), text)).collect())
-}
-
-/// Creates a folder and writes the figure files into it.
-pub(crate) fn write_drawn(
-    folder: &Path,
-    drawn: &Pictures,
-    files: &[(PathBuf, String)],
-) -> Result<(), Failure> {
-    let inner = if drawn.page.is_some() { folder.join("figures") } else { folder.to_owned() };
-    make_folder(&inner)?;
-    for (path, text) in files {
-        write(path, text)?;
-    }
-    let (count, folder) = (drawn.figures.len(), folder.display());
-    let what = match drawn.page {
-        Some(_) => "report.html, results.json and figures/".to_owned(),
-        None => format!("{count} figures (SVG and CSV)"),
-    };
-    print_message("note", &format!("wrote {what} in {folder}"));
-    Ok(())
 }

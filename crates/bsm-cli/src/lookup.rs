@@ -6,7 +6,8 @@ use std::path::Path;
 use bsm_batch::{AnswerSink, Answers, Chunk, Count, GridSource, TableError, Task, Workers};
 use bsm_case::{Grid, GridAxis, Output, format_exact};
 
-use crate::failure::{Failure, print_message};
+use crate::console::print_message;
+use crate::failure::Failure;
 use crate::files;
 use crate::table_job::run_failure;
 

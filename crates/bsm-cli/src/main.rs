@@ -4,6 +4,7 @@
 mod answer;
 mod args;
 mod axis;
+mod console;
 mod failure;
 mod files;
 mod fit;
@@ -16,6 +17,7 @@ mod pictures;
 mod progress;
 mod schema;
 mod select;
+mod select_input;
 mod solve;
 mod sweep;
 mod table;
@@ -32,6 +34,7 @@ mod view;
 mod workbook;
 
 use std::env;
+use std::path::Path;
 use std::process::ExitCode;
 
 use bsm_batch::silence_caught_panics;
@@ -42,6 +45,7 @@ use clap_complete::CompleteEnv;
 use crate::args::PartsCommand;
 use crate::args::{Cli, Command};
 use crate::failure::Failure;
+use crate::files::OutputFile;
 use crate::threads::on_threads;
 
 fn main() -> ExitCode {
@@ -53,7 +57,7 @@ fn main() -> ExitCode {
     let matches = args::command().try_get_matches();
     let command = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli.command,
-        Err(usage) => return failure::usage(&usage),
+        Err(usage_error) => return usage(&usage_error),
     };
     // Rayon starts as many threads as the environment variable RAYON_NUM_THREADS specifies. Like
     // Rayon, this program uses all cores if the value is 0 or not a number.
@@ -97,5 +101,15 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
+    }
+}
+
+/// Prints the help text, the version or the usage error that the argument parser returned.
+fn usage(usage_error: &clap::Error) -> ExitCode {
+    match usage_error.print() {
+        Err(error) if !usage_error.use_stderr() => {
+            OutputFile::failure(Path::new("-"), &error).report()
+        }
+        _ => ExitCode::from(u8::try_from(usage_error.exit_code()).unwrap_or(2)),
     }
 }

@@ -12,10 +12,11 @@ use serde_json::{Value, json};
 
 use crate::answer::{Pictures, Reply, WriteTable};
 use crate::args::SelectArgs;
-use crate::failure::{Failure, print_message};
+use crate::console::print_message;
+use crate::failure::Failure;
 use crate::files;
 use crate::progress::show_spinner;
-use crate::select::{Source, check, requirement};
+use crate::select_input::{Source, check, requirement};
 use crate::table;
 use crate::table_job::{TABLES, write_columns};
 

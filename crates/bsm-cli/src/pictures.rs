@@ -116,7 +116,7 @@ impl Picture for CurvePlot {
         for (row, (x, y)) in chunk.inputs[0].values().iter().zip(values).enumerate() {
             let line = (first + row) % count;
             self.lines[line].points.push((*x, *y));
-            let model = answers.verdicts[row].model.name();
+            let model = answers.outcomes[row].model.name();
             match self.models[line].replace(model) {
                 Some(former) if former != model && y.is_finite() => {
                     self.changes.push(((*x, *y), [former, model]));
@@ -206,7 +206,7 @@ impl Picture for MapPlot {
             let found = columns.binary_search(&x).ok().zip(rows.binary_search(&y).ok());
             let Some((column, row_of_map)) = found else { continue };
             let cell = column * rows.len() + row_of_map;
-            let model = answers.verdicts[row].model.name();
+            let model = answers.outcomes[row].model.name();
             let known = self.models.iter().position(|known| *known == model);
             self.regions[cell] = known.unwrap_or_else(|| {
                 self.models.push(model);

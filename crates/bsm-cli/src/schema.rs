@@ -6,15 +6,59 @@ use bsm_case::ObjectSchema;
 use bsm_case::units::units_by_quantity;
 use bsm_case::{AnswerSchema, input_schema, output_schema};
 #[cfg(feature = "validate")]
-use bsm_validate::ReportJson;
+use bsm_validate::{ReportJson, tradeoff::Tradeoff};
+#[cfg(any(feature = "parquet", feature = "validate"))]
+use schemars::JsonSchema;
+#[cfg(any(feature = "parquet", feature = "validate"))]
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
 use crate::files::{pretty_json, print};
+
+/// State of the parts of a dataset, in JSON.
 #[cfg(feature = "parquet")]
-use crate::parts::PartsJson;
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct PartsJson {
+    /// Identifier of the plan.
+    pub(crate) plan: String,
+    /// Number of parts of the plan.
+    pub(crate) parts: u64,
+    /// Number of finished parts.
+    pub(crate) finished: u64,
+    /// True if all parts are finished.
+    pub(crate) complete: bool,
+    /// True if all bytes of the parts were read and verified.
+    pub(crate) deep: bool,
+    /// Ranges of the numbers of missing parts.
+    pub(crate) missing: Vec<String>,
+    pub(crate) damaged: Vec<Damage>,
+    /// Files that do not belong to the dataset.
+    pub(crate) foreign: Vec<String>,
+    /// Number of rows in the finished parts.
+    pub(crate) rows: u64,
+    /// Number of rows without a result.
+    pub(crate) failed: u64,
+    /// Number of rows with several solutions.
+    pub(crate) several: u64,
+}
+
+/// A damaged part.
+#[cfg(feature = "parquet")]
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct Damage {
+    pub(crate) file: String,
+    pub(crate) reason: String,
+}
+
+/// Measured times and errors, in JSON.
 #[cfg(feature = "validate")]
-use crate::tradeoff::TradeoffJson;
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct TradeoffJson<'a> {
+    /// Name and version of the program.
+    pub(crate) program: &'static str,
+    pub(crate) tradeoff: &'a Tradeoff,
+}
 
 /// Schemas of the answers that are not calculated from a single case.
 const OTHER_SCHEMAS: &[AnswerSchema] = &[

@@ -4,64 +4,19 @@
 use std::path::{Path, PathBuf};
 
 use bsm_case::{
-    CaseError, Catalog, Content, DesignReport, DesignRow, MANUFACTURER_SIZES, ManufacturerNut,
-    REQUIREMENT_INPUTS, RequirementChoice, RequirementFile, STANDARD_CATALOG,
+    Catalog, Content, DesignReport, DesignRow, MANUFACTURER_SIZES, REQUIREMENT_INPUTS,
+    RequirementChoice, STANDARD_CATALOG,
 };
 
-use crate::answer::{Destination, Pictures, Reply, WriteTable};
+use crate::answer::{Pictures, Reply, WriteTable};
 use crate::args::{SelectArgs, SelectShow};
-use crate::failure::{Failure, print_message};
-use crate::files::{InputFiles, MAX_TABLE_BYTES, ending_of, print, read, read_json};
+use crate::console::print_message;
+use crate::failure::Failure;
+use crate::files::{ending_of, print};
 use crate::progress::show_spinner;
+use crate::select_input::{STANDARD_HINT, Source, check, requirement};
 use crate::table_job::write_rows;
 use crate::{nuts, table};
-
-/// Name of the built-in list of standard sizes.
-pub(crate) const STANDARD: &str = "standard";
-/// Name of the built-in list of manufacturers' sizes.
-pub(crate) const MANUFACTURERS: &str = "manufacturers";
-
-/// Hint that suggests the standard lists as an alternative source of sizes.
-const STANDARD_HINT: &str = "--from standard searches every combination of the standard lists";
-
-/// Sizes or nuts that `--from` specifies: a list of sizes (by default, manufacturers' sizes), or
-/// the nuts in a manufacturer's table.
-#[expect(clippy::large_enum_variant, reason = "a run creates only one value of this type")]
-pub(crate) enum Source {
-    Sizes(Catalog),
-    Nuts(Vec<ManufacturerNut>),
-}
-
-impl Source {
-    fn read(args: &SelectArgs) -> Result<Self, Failure> {
-        let own = |sizes: Result<_, CaseError>| {
-            sizes.map(Self::Sizes).map_err(|e| Failure::Input(e.to_string()))
-        };
-        // A search over continuous dimensions uses standard ball diameters.
-        let usual = Path::new(if args.free { STANDARD } else { MANUFACTURERS });
-        let from = args.from.as_deref().unwrap_or(usual);
-        let is_table = ending_of("--from", from, &["csv"]).is_ok();
-        if !is_table {
-            args.table.only_with("--from TABLE.csv")?;
-        }
-        if from == Path::new(MANUFACTURERS) {
-            return own(Catalog::manufacturers());
-        }
-        if from == Path::new(STANDARD) {
-            return own(Catalog::standard());
-        }
-        let failure = |e: CaseError| Failure::case(from, &e);
-        if !is_table {
-            return Catalog::from_json(&read_json(from)?).map(Self::Sizes).map_err(failure);
-        }
-        let table = read(from, MAX_TABLE_BYTES)?;
-        let format = args.table.format()?;
-        match Catalog::from_csv(&table, &format).map_err(failure)? {
-            Some(sizes) => Ok(Self::Sizes(sizes)),
-            None => ManufacturerNut::from_csv(&table, &format).map(Self::Nuts).map_err(failure),
-        }
-    }
-}
 
 pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     match args.show {
@@ -77,27 +32,6 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
         }
         source => nuts::run(args, source),
     }
-}
-
-/// Checks that the output files have supported extensions and that none of them replaces an input
-/// file.
-pub(crate) fn check<'a>(
-    args: &'a SelectArgs,
-    endings: &[&'static str],
-) -> Result<Destination<'a>, Failure> {
-    let inputs = [args.requirement.as_deref(), args.from.as_deref(), args.table.names.as_deref()];
-    args.out.check(endings, InputFiles::of(inputs))
-}
-
-/// Reads the requirement that the nuts must meet.
-pub(crate) fn requirement(
-    args: &SelectArgs,
-    catalog: &Catalog,
-) -> Result<Option<RequirementFile>, Failure> {
-    let Some(path) = &args.requirement else { return Ok(None) };
-    let requirement =
-        RequirementFile::from_json(&read_json(path)?, &args.settings(), catalog.lists.clone());
-    requirement.map(Some).map_err(|e| Failure::case(path, &e))
 }
 
 /// Chooses the best screw and prints the steps of this choice.

@@ -6,8 +6,9 @@ use bsm_batch::dataset::Points;
 use bsm_batch::{ColumnUnits, RandomPoints, TableFormat, Task, Workers};
 use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, Output, OutputType, Settings};
 
-use crate::args::{SweepArgs, with_units};
-use crate::failure::{Failure, note_unused, print_message};
+use crate::args::SweepArgs;
+use crate::console::print_message;
+use crate::failure::{Failure, note_unused};
 use crate::files::{InputFiles, OutputFile, ending_of, is_stdout, read_case, write_bytes};
 use crate::lookup::Lookup;
 use crate::pictures::{CurvePlot, MapPlot, Picture};
@@ -15,7 +16,7 @@ use crate::table_job::{Job, is_folder, open, outputs};
 
 pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let case = args.case.as_deref();
-    let base = read_case(case, &with_units(&args.settings, args.units.as_ref()))?;
+    let base = read_case(case, &args.units.added_to(&args.settings))?;
     let units = ColumnUnits::new(base.display_units(), args.columns.as_deref());
     let path = case.or(args.points.as_deref()).unwrap_or(Path::new("--set"));
     let files = Files::of(args)?;

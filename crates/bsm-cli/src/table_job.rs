@@ -19,14 +19,13 @@ use bsm_case::{
 use bsm_dyn::Status;
 use bsm_report::PROGRAM;
 #[cfg(feature = "parquet")]
-use indicatif::ProgressBar;
+use indicatif::{HumanBytes, ProgressBar};
 use serde_json::{Value, json};
 
 use crate::args::SweepArgs;
-use crate::failure::{Failure, print_message, table_error_text};
+use crate::console::print_message;
+use crate::failure::{Failure, table_error_text};
 use crate::files::{self, OutputFile, ending_of, is_stdout, pretty_json};
-#[cfg(feature = "parquet")]
-use crate::parts::print_plan;
 use crate::progress::progress;
 #[cfg(feature = "parquet")]
 use crate::unfinished;
@@ -35,6 +34,11 @@ use crate::workbook::{self, Workbook};
 
 /// File extensions of output tables.
 pub(crate) const TABLES: [&str; 4] = ["csv", "jsonl", "parquet", "xlsx"];
+
+/// Number of rows above which the program recommends calculating the results again instead of
+/// storing them. Reading a terabyte from files takes longer than calculating these rows again.
+#[cfg(feature = "parquet")]
+const MANY_ROWS: u64 = 10_000_000_000;
 
 /// File extensions of input tables. Workbooks cannot be read.
 const POINTS: [&str; 3] = ["csv", "jsonl", "parquet"];
@@ -276,22 +280,22 @@ impl<'a> Changes<'a> {
 
     fn add(&mut self, chunk: &Chunk, answers: &Answers) {
         let Some(values) = chunk.inputs.last() else { return };
-        for (i, (value, verdict)) in values.values().iter().zip(&answers.verdicts).enumerate() {
+        for (i, (value, outcome)) in values.values().iter().zip(&answers.outcomes).enumerate() {
             let row = chunk.first - 1 + i as u64;
             let begins = row.is_multiple_of(self.axis.len() as u64);
             if let Some((former, from, model)) = self.before.filter(|_| !begins)
                 && former + 1 == row
-                && model != verdict.model
+                && model != outcome.model
             {
-                let [model, other] = [model, verdict.model].map(ModelChoice::name);
+                let [model, other] = [model, outcome.model].map(ModelChoice::name);
                 let place = row % self.axis.len() as u64;
                 if self.found.insert((place, [model, other])) && self.first.len() < Self::NAMED {
                     let [from, to] = [from, *value].map(format_exact);
                     self.first.push(format!("{from} and {to} ({model}, {other})"));
                 }
             }
-            let solved = verdict.status == Status::Converged;
-            self.before = solved.then_some((row, *value, verdict.model));
+            let solved = outcome.status == Status::Converged;
+            self.before = solved.then_some((row, *value, outcome.model));
         }
     }
 
@@ -543,4 +547,36 @@ pub(crate) fn form_of(path: &Path) -> Result<Form, Failure> {
         "xlsx" => Ok(Form::Workbook),
         _ => Ok(Form::Table(Format::of(path).unwrap_or(Format::Csv))),
     }
+}
+
+/// Prints a plan together with its estimated computing time and size.
+#[cfg(feature = "parquet")]
+fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
+    let estimate = plan.estimate().map_err(|why| Failure::in_case(folder, &why.to_string()))?;
+    let hours = estimate.core_seconds / 3600.0;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the number of bytes is only displayed"
+    )]
+    let bytes = HumanBytes(estimate.bytes as u64);
+    let (parts, per_part) = (plan.parts(), plan.rows_per_part());
+    files::print(&format!(
+        "plan        {}\nrows        {}\nparts       {parts} of {per_part} rows\n\
+         core-hours  {hours:.3}\nsize        {bytes} at most",
+        plan.id(),
+        plan.rows(),
+    ))?;
+    let folder = folder.display();
+    let how = format!(
+        "solve the plan with `bsm parts run {folder}` on one or more machines, and then run `bsm parts check {folder}`"
+    );
+    print_message("note", &how);
+    if plan.rows() > MANY_ROWS {
+        let text = "solving so many rows again is cheaper than storing and reading them; for \
+                    statistics, the Python package solves parts of this plan in memory \
+                    (ballscrew.solve_part)";
+        print_message("note", text);
+    }
+    Ok(())
 }

@@ -6,7 +6,8 @@ use std::thread::available_parallelism;
 
 use bsm_batch::Workers;
 
-use crate::failure::{Failure, print_message};
+use crate::console::print_message;
+use crate::failure::Failure;
 
 /// Stop flag of the worker threads, which is never set. An interrupt removes unfinished files and
 /// ends the program immediately instead.

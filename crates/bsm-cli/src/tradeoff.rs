@@ -9,8 +9,6 @@ use bsm_validate::tradeoff::{
     self, Advice, Count, Errors, Group, OneCore, Points, SettingResult, Tradeoff,
 };
 use bsm_validate::tradeoff_page;
-use schemars::JsonSchema;
-use serde::Serialize;
 use serde_json::json;
 
 use crate::answer::{Pictures, Reply};
@@ -18,16 +16,9 @@ use crate::args::TradeoffArgs;
 use crate::failure::Failure;
 use crate::files::{InputFiles, make_folder};
 use crate::progress::progress;
+use crate::schema::TradeoffJson;
 use crate::table;
 use crate::table_job::open;
-
-/// Measured times and errors, in JSON.
-#[derive(Serialize, JsonSchema)]
-pub(crate) struct TradeoffJson<'a> {
-    /// Name and version of the program.
-    program: &'static str,
-    tradeoff: &'a Tradeoff,
-}
 
 pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     let to = args.out.check(&["json", "html"], InputFiles::of([args.points.as_deref()]))?;

@@ -3,6 +3,7 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
@@ -14,6 +15,9 @@ pub(crate) struct Unfinished {
     /// True after the interrupt handler has been started.
     listening: bool,
 }
+
+/// True after a write has failed because the file would have exceeded the size limit (`ulimit -f`).
+pub(crate) static FILE_TOO_LARGE: AtomicBool = AtomicBool::new(false);
 
 static UNFINISHED: Mutex<Unfinished> =
     Mutex::new(Unfinished { files: Vec::new(), listening: false });
@@ -59,8 +63,8 @@ mod signals {
     };
     use signal_hook::{flag, iterator::Signals};
 
-    use crate::failure::print_message;
-    use crate::files::FILE_TOO_LARGE;
+    use super::FILE_TOO_LARGE;
+    use crate::console::print_message;
 
     /// Handled signals, including the signals that job schedulers send before a time limit expires.
     /// Each signal ends the program with the exit code 128 + signal number.

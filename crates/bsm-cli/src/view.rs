@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use bsm_view::{PageSolver, Save, Server, saved};
 
 use crate::args::ViewArgs;
-use crate::failure::{Failure, note_unused, print_message};
+use crate::console::print_message;
+use crate::failure::{Failure, note_unused};
 use crate::files::{InputFiles, ending_of, print, write};
 
 pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {

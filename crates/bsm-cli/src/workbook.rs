@@ -5,13 +5,14 @@ use std::sync::atomic::Ordering;
 use std::{env, io};
 
 use bsm_batch::{
-    AnswerSink, Answers, Cell, Cells, Chunk, ColumnUnits, Columns, TableError, catch_panic, unit_of,
+    AnswerSink, Answers, Cell, Chunk, ColumnUnits, Columns, RowCells, TableError, catch_panic,
+    unit_of,
 };
 use bsm_case::Output;
 use rust_xlsxwriter::{Format, Workbook as Book, Worksheet, XlsxError};
 use serde_json::{Number, Value};
 
-use crate::files::FILE_TOO_LARGE;
+use crate::unfinished::FILE_TOO_LARGE;
 
 /// Maximum number of data rows in a sheet, not counting the rows with names and units.
 pub(crate) const MAX_ROWS: u64 = 1_048_574;
@@ -126,7 +127,7 @@ impl AnswerSink for Workbook {
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError> {
         let schema = self.units.schema(&self.columns, &self.outputs);
         let table = answers.table(&chunk, &schema, &self.outputs)?;
-        let cells = Cells::of(&table, &chunk)?;
+        let cells = RowCells::of(&table, &chunk)?;
         (0..chunk.len).try_for_each(|row| self.row(cells.row(row)))
     }
 }

@@ -366,7 +366,7 @@ fn sweep(
     let chunk = chunk.ok_or_else(|| Refusal::input("the map has no points"))?;
     let mut answers = Answers::allocate(grid.len(), task.outputs.len());
     let room = Buffers {
-        verdicts: &mut answers.verdicts,
+        outcomes: &mut answers.outcomes,
         columns: answers.columns.iter_mut().map(|column| Some(&mut column[..])).collect(),
     };
     workers.install(|| task.solve_into((&chunk, &named), room, stop, &AtomicU64::new(0)));
@@ -379,9 +379,9 @@ fn sweep(
     };
     let models: Vec<_> = ModelChoice::names().collect();
     let place = |name: &str| models.iter().position(|known| *known == name);
-    let of_rows: Vec<_> = answers.verdicts.iter().map(|v| json!(place(v.model.name()))).collect();
+    let of_rows: Vec<_> = answers.outcomes.iter().map(|v| json!(place(v.model.name()))).collect();
     let statuses: Vec<_> = answers
-        .verdicts
+        .outcomes
         .iter()
         .map(|v| json!(Status::ALL.iter().position(|status| *status == v.status)))
         .collect();

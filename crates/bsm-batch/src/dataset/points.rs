@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use super::error::describe_entry;
 use super::{DatasetError, digest};
-use crate::pipeline::ROWS_PER_CHUNK;
+use crate::rows::ROWS_PER_CHUNK;
 use crate::{
     Format, GridSource, PointSet, RandomPoints, RandomSource, Source, TableError, TableFormat,
     Workers,
@@ -235,6 +235,6 @@ pub(super) struct TableEntry {
     sha256: String,
     rows: u64,
     keep: Vec<String>,
-    #[serde(rename = "dialect", default, skip_serializing_if = "TableFormat::is_ours")]
+    #[serde(rename = "dialect", default, skip_serializing_if = "TableFormat::is_standard")]
     table_format: TableFormat,
 }

@@ -56,7 +56,7 @@ pub(crate) fn assert_alike(
     outputs: &[&Output],
     (expected, case): (&Record, &Case),
 ) -> bool {
-    let status = answers.verdicts[row].status;
+    let status = answers.outcomes[row].status;
     assert_eq!(status, expected.status(), "{}", what());
     for (output, column) in outputs.iter().zip(&answers.columns) {
         if ITERATION_OUTPUTS.contains(&output.name) {

@@ -94,7 +94,7 @@ fn table_columns_match_the_results_of_the_analyses() {
         for row in 0..grid.len() {
             let case = grid.case(&base, &grid.point(row));
             let moving = MotionAnswer::of(&case, &settings, &mut work).expect("complete");
-            assert_eq!(answers.verdicts[row].status, moving.solution.status());
+            assert_eq!(answers.outcomes[row].status, moving.solution.status());
             let solved = moving.solution.steady_state().is_some();
             let of = |kind: AnalysisKind| {
                 let motion = solved.then_some(&moving);
@@ -136,7 +136,7 @@ fn motion_columns_use_one_model_for_all_rows() {
     let wanted = outputs(&["efficiency", "wedge_angle_deg", "published_margin"]);
     let task = Task::over_grid(base, Settings::default(), wanted, None, &grid).expect("a task");
     let answers = solve(&task, &grid);
-    assert!(answers.verdicts.iter().all(|v| v.model == Model::Traction.into()), "one model");
+    assert!(answers.outcomes.iter().all(|v| v.model == Model::Traction.into()), "one model");
     for column in &answers.columns[1..] {
         let steps: Vec<f64> = column.windows(2).map(|two| (two[1] / two[0]).ln().abs()).collect();
         // The largest changes occur in the first step, in which the load doubles. The jamming
@@ -182,8 +182,8 @@ fn all_columns_of_a_row_use_the_same_warm_state() {
     let columns = |names: &[&str]| {
         let task = Task::over_grid(base.clone(), settings, outputs(names), None, &grid);
         let answers = solve(&task.expect("a task"), &grid);
-        assert_eq!(answers.verdicts[0].status, Status::Converged, "{names:?}");
-        assert_eq!(answers.verdicts[1].status, Status::NoSolution, "{names:?}");
+        assert_eq!(answers.outcomes[0].status, Status::Converged, "{names:?}");
+        assert_eq!(answers.outcomes[1].status, Status::NoSolution, "{names:?}");
         answers.columns
     };
     let [nut, warm] = ["warm_preload_N", "nut_temperature_C"].map(|name| columns(&[name]));
@@ -238,11 +238,11 @@ fn requesting_columns_of_an_analysis_does_not_change_other_columns() {
             vec!["efficiency", "ball_torque_Nm", "ball_return_margin", "nut_spin_power_W"]
         };
         let both = solve(&task(&analyzed), &grid);
-        assert_eq!(both.verdicts, kernel.verdicts, "{model:?}");
+        assert_eq!(both.outcomes, kernel.outcomes, "{model:?}");
         for (a, b) in both.columns.iter().zip(&kernel.columns) {
             assert!(a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits()), "{model:?}");
         }
-        let converged = kernel.verdicts.iter().map(|v| v.status == Status::Converged);
+        let converged = kernel.outcomes.iter().map(|v| v.status == Status::Converged);
         assert!(both.columns[2].iter().zip(converged).all(|(x, there)| x.is_nan() != there));
     }
 }
@@ -289,9 +289,9 @@ fn output_that_depends_only_on_inputs_needs_no_operating_point() {
     let task = Task::over_table(base, Settings::default(), task, &columns).expect("a task");
     let chunk = Chunk::of_rows(&columns, [[Some(0.075)], [None]]);
     let answers = task.solve(&chunk, &columns);
-    assert_eq!(answers.verdicts[0].status, Status::Converged);
+    assert_eq!(answers.outcomes[0].status, Status::Converged);
     assert!(answers.columns[0][0] > 5.0 && answers.columns[0][1].is_nan());
-    assert_eq!(answers.verdicts[1].status, Status::InvalidInput);
+    assert_eq!(answers.outcomes[1].status, Status::InvalidInput);
     let words = answers.message(1).expect("words");
     assert!(words.contains("friction_coefficient is required"), "{words}");
 }
@@ -321,7 +321,7 @@ fn warm_state_columns_depend_on_the_conductances_of_the_row() {
     let one = self::grid(&["nut_conductance_W_K=40"]);
     let task = Task::over_grid(base, settings, outputs(&names[..1]), None, &one).expect("a task");
     let answers = solve(&task, &one);
-    assert_eq!(answers.verdicts[0].status, Status::NoSolution);
+    assert_eq!(answers.outcomes[0].status, Status::NoSolution);
     assert!(answers.columns[0][0].is_nan());
 }
 
@@ -345,7 +345,7 @@ fn row_message_explains_why_torque_is_missing_at_large_push_forces() {
     assert!(message.starts_with(
         "nut: The friction torque with push forces between the balls is not calculated: a push"
     ));
-    assert!(answers.verdicts.iter().all(|verdict| verdict.status == Status::Converged));
+    assert!(answers.outcomes.iter().all(|outcome| outcome.status == Status::Converged));
 }
 
 /// If a table has a column named `model`, the inputs in this table must still be read. Columns

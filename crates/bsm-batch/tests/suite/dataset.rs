@@ -574,16 +574,15 @@ fn estimated_dataset_size_is_an_upper_bound_on_the_actual_size() {
     assert!(found < bytes && bytes < 2.0 * found, "{found} {bytes}");
 }
 
-/// A plan with 1e12 points can be created and opened, and one of its parts can be solved. This must
-/// not take more time and memory than a plan that contains only this part.
+/// A plan with 1e12 points can be created and opened, and one of its parts can be solved. If a step
+/// visited all points, this test would run for hours.
 #[test]
-fn part_of_a_plan_with_1e12_points_is_solved_in_ten_seconds() {
+fn part_of_a_plan_with_1e12_points_is_solved_without_the_other_parts() {
     // The plan has 59 604 parts with 2^24 rows each, and a last part with 4096 rows.
     let axes = ["axial_load_N=500:9000:244137985", "friction_coefficient=0.01:0.1:4096"];
     let axes = axes.map(|axis| GridAxis::parse(axis).expect("an axis")).to_vec();
     let points = Points::Grid(Grid::new(axes).expect("a grid"));
     let (task, folder, workers) = (task(Model::ClosedForm), temporary_folder(), workers(1));
-    let begin = Instant::now();
     let plan = Plan::new(&task, &points, None, &workers).expect("a plan");
     assert_eq!((plan.rows(), plan.parts()), (999_989_186_560, 59_605));
     assert!(plan.text().len() < 1000, "{}", plan.text());
@@ -593,6 +592,4 @@ fn part_of_a_plan_with_1e12_points_is_solved_in_ten_seconds() {
     assert_eq!((part.first_row, part.rows), (59_604 << 24, 4096));
     let found = Dataset::open(folder.path(), make).expect("a folder").survey(true, &workers);
     assert_eq!(found.expect("readable").parts.into_values().collect::<Vec<_>>(), [part]);
-    // The test takes 0.1 s. The limit is larger, because the machine may be busy.
-    assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
 }

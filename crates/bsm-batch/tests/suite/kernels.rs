@@ -134,7 +134,7 @@ fn assert_rows(
         let expected = solve_alone(&case, settings);
         let what = || format!("row {row}");
         let has_root = assert_alike(&what, (&answers, row), &outputs, (&expected, &case));
-        assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
+        assert_eq!(answers.outcomes[row].model, expected.model(), "{}", what());
         let words = expected.message().map(str::to_owned).or_else(|| expected.choice());
         assert_eq!(answers.message(row), words.as_deref(), "{}", what());
         converged += usize::from(has_root);
@@ -260,10 +260,10 @@ fn rows_of_chunk(chunk: &Chunk, first: usize, last: usize) -> Chunk {
 
 /// Returns the status of each row and the bits of all its outputs.
 fn status_and_bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
-    let rows = answers.verdicts.iter().enumerate();
-    rows.map(|(row, verdict)| {
+    let rows = answers.outcomes.iter().enumerate();
+    rows.map(|(row, outcome)| {
         let numbers = answers.columns.iter().map(|column| column[row].to_bits());
-        (format!("{verdict:?} {:?}", answers.message(row)), numbers.collect())
+        (format!("{outcome:?} {:?}", answers.message(row)), numbers.collect())
     })
     .collect()
 }
@@ -375,9 +375,9 @@ fn outputs_for_which_the_caller_provides_no_buffer_are_returned_separately() {
             (settings.model, sufficient_points(&settings, campaign(20_000)));
         let task = Task::new(Case::default(), settings, all_outputs());
         let expected = task.solve(&chunk, &columns);
-        let mut verdicts = expected.verdicts.clone();
+        let mut outcomes = expected.outcomes.clone();
         let buffers = Buffers {
-            verdicts: &mut verdicts,
+            outcomes: &mut outcomes,
             columns: all_outputs().iter().map(|_| None).collect(),
         };
         let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
@@ -387,7 +387,7 @@ fn outputs_for_which_the_caller_provides_no_buffer_are_returned_separately() {
             assert!(!values.iter().all(|value| value.is_nan()), "{model:?}");
             found[place][first..][..values.len()].copy_from_slice(&values);
         }
-        assert_eq!((verdicts, told.messages), (expected.verdicts, expected.messages), "{model:?}");
+        assert_eq!((outcomes, told.messages), (expected.outcomes, expected.messages), "{model:?}");
         for (output, (found, expected)) in
             all_outputs().iter().zip(found.iter().zip(&expected.columns))
         {
@@ -410,7 +410,7 @@ fn output_values_do_not_depend_on_other_requested_outputs() {
         for (output, column) in everything.iter().zip(&expected.columns) {
             let found = task(vec![output]).solve(&chunk, &columns);
             let same = found.columns[0].iter().zip(column).all(|(a, b)| a.to_bits() == b.to_bits());
-            assert!(same && found.verdicts == expected.verdicts, "{}, {model:?}", output.name);
+            assert!(same && found.outcomes == expected.outcomes, "{}, {model:?}", output.name);
         }
     }
 }
@@ -450,8 +450,8 @@ fn invalid_rows_keep_their_position_and_are_reported() {
     let task = Task::new(base, Model::Rigid.into(), vec![efficiency]);
     let answers = task.solve(&chunk, &columns);
     for (row, (cells, status, words)) in rows.iter().enumerate() {
-        let (verdict, value) = (answers.verdicts[row], answers.columns[0][row]);
-        assert_eq!(verdict.status.name(), *status, "{cells:?} {verdict:?}");
+        let (outcome, value) = (answers.outcomes[row], answers.columns[0][row]);
+        assert_eq!(outcome.status.name(), *status, "{cells:?} {outcome:?}");
         assert_eq!(value.is_nan(), *status != "converged", "{cells:?}");
         let message = answers.message(row).unwrap_or_default();
         assert!(message.contains(words), "{cells:?}: {message}");

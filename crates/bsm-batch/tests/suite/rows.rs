@@ -67,7 +67,7 @@ impl Table {
             };
             let message = expected.message().map(str::to_owned).or_else(|| expected.choice());
             assert_eq!(answers.message(row), message.as_deref(), "{}", what());
-            assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
+            assert_eq!(answers.outcomes[row].model, expected.model(), "{}", what());
             assert_alike(&what, (&answers, row), &outputs, (&expected, &case));
             seen.count_record(&expected);
         }
@@ -159,7 +159,7 @@ fn a_row_with_contradictory_lead_and_lead_angle_is_rejected() {
     };
     for model in Model::ALL {
         let answers = table.solve(&drive(), &model.into());
-        let [agree, disagree] = [0, 1].map(|row| answers.verdicts[row].status);
+        let [agree, disagree] = [0, 1].map(|row| answers.outcomes[row].status);
         assert_ne!(agree, Status::InvalidInput, "{model:?}");
         assert_eq!(disagree, Status::InvalidInput, "{model:?}");
         let message = answers.message(1).unwrap_or_default();
@@ -454,14 +454,14 @@ fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
             };
             let message = expected.message().map(str::to_owned).or_else(|| expected.choice());
             assert_eq!(answers.message(row), message.as_deref(), "{}", what());
-            assert_eq!(answers.verdicts[row].model, expected.model(), "{}", what());
+            assert_eq!(answers.outcomes[row].model, expected.model(), "{}", what());
             converged +=
                 usize::from(assert_alike(&what, (&answers, row), &outputs, (&expected, &case)));
             let has =
                 |key: &K| keys.iter().zip(cells).any(|((k, _), cell)| k == key && !cell.is_empty());
             if TWO_FORMS.iter().any(|forms| forms.iter().all(has)) {
                 twice += 1;
-                assert_eq!(answers.verdicts[row].status, Status::InvalidInput, "{}", what());
+                assert_eq!(answers.outcomes[row].status, Status::InvalidInput, "{}", what());
             }
             count += 1;
         }

@@ -32,7 +32,8 @@ use super::nut::QUANTITIES as NUT;
 use super::ratings::{QUANTITIES as RATINGS, ratings_and_warnings};
 use super::schema::CaseJson;
 use super::warm::QUANTITIES as WARM;
-use crate::case::axis::{AxisModel, operating_hours_per_year, stroke};
+use crate::case::axis::AxisModel;
+use crate::case::axis_inputs::{operating_hours_per_year, stroke};
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, NutInPhase, Warm};
 use crate::vocabulary::error::invalid_input;
@@ -111,10 +112,10 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         support_bearing_load_warm_N ["N"] Scalar(|w| w.bearing_loads()?[1]), "load on two fixed support bearings while the screw is warm: largest load plus tension or compression";
         support_bearing_load_N ["N"] Scalar(|w| w.bearing_load()), "largest load on the support bearings, cold or warm";
         thread_length_mm ["mm"] Scalar(|w| Some(w.machine.thread? / MM)), "length of the thread: stroke, nut set and overrun at both ends";
-        screw_mass_kg ["kg"] Scalar(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
+        screw_mass_kg ["kg"] Scalar(|w| w.shaft().and(w.machine.screw).map(|screw| screw.mass)), "mass of the screw between its bearings";
         mass_of_nut_and_screw_kg ["kg"] Scalar(|w| {
-            let (screw, _) = w.shaft().and(w.machine.screw)?;
-            Some(screw + w.machine.nut_mass?)
+            let screw = w.shaft().and(w.machine.screw)?;
+            Some(screw.mass + w.machine.nut_mass?)
         }), "mass of nut and screw between the bearings";
         axis_heat_transfer_W_K = INPUTS Scalar(|w| w.case.axis_heat_transfer_W_K);
         steady_temperature_rise_K ["K"] Scalar(|w| w.steady_rise()) needs FRICTION,
@@ -127,7 +128,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.heating?.band?[1])), "upper bound of the steady-state temperature rise, with typical values for missing friction torques";
         steady_temperature_time_s ["s" "tau"] Scalar(|w| {
             let transfer = w.mean_heat().filter(|heat| *heat > 0.0)? / w.steady_rise()?;
-            Some(warming_time(w.machine.screw?.0, transfer))
+            Some(warming_time(w.machine.screw?.mass, transfer))
         }),
             "time constant of the screw temperature: heat capacity of the screw / (mean heat flow / steady-state temperature rise)";
         screw_growth_um ["um"] Scalar(|w| w.growth()),
@@ -238,7 +239,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         fall_speed_rpm ["rpm"] Scalar(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after the load has fallen over the stroke, without motor power or brake";
         inertia_of_screw_kg_m2 ["kg m2" "J_s"] Scalar(|w| {
             let turns = w.machine.nut_inertia.is_none();
-            w.machine.screw.filter(|_| turns).map(|(_, inertia)| inertia)
+            w.machine.screw.filter(|_| turns).map(|screw| screw.inertia)
         }), "moment of inertia of the screw; calculated only if the screw turns";
         nut_inertia_kg_m2 = INPUTS Scalar(|w| w.machine.nut_inertia);
         inertia_of_mass_kg_m2 ["kg m2"] Scalar(|w| w.machine.drive.mass_inertia()), "reflected inertia of the moved mass, at the screw";
@@ -382,8 +383,8 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
         nut_length_mm = INPUTS Scalar(|s| s.machine.body.length / MM);
         screw_outer_diameter_mm = INPUTS Scalar(|s| s.machine.axis.screw.outer / MM);
         screw_core_diameter_mm = RATINGS Scalar(|s| s.machine.axis.screw.core / MM);
-        dynamic_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[0]);
-        static_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[1]);
+        dynamic_load_rating_N = RATINGS Scalar(|s| s.machine.ratings.dynamic);
+        static_load_rating_N = RATINGS Scalar(|s| s.machine.ratings.static_);
         edge_load_N = RATINGS Scalar(|s| s.of_nut.number(output!(edge_load_N)));
         nut_mass_kg = INPUTS Scalar(|s| s.machine.nut_mass);
         cold_preload_N = NUT Scalar(|s| Some(s.preload?.cold));

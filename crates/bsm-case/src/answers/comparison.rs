@@ -12,7 +12,7 @@ use serde_json::{Map, Value};
 use crate::answers::schema::RecordJson;
 use crate::case::problem::has_lubricant;
 use crate::vocabulary::error::{NO_LUBRICANT, list};
-use crate::vocabulary::members::{Cells, Data, Label, Rows, Sentences, answer, row};
+use crate::vocabulary::members::{Data, Label, Rows, Sentences, TableRow, answer, row};
 use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, Record};
 
 /// Number of timed solver runs per model. The shortest time is reported.
@@ -84,7 +84,7 @@ impl JsonSchema for RecordCells {
     }
 }
 
-impl Cells for RecordCells {
+impl TableRow for RecordCells {
     fn columns() -> Vec<Column> {
         let head = |name: &str| Some(SHOWN.iter().find(|(own, _)| *own == name)?.1);
         RecordJson::names().map(|name| Column::new(name, head(name))).collect()

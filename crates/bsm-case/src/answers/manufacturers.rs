@@ -203,7 +203,7 @@ fn is_kept_column(
     words: &[&'static str],
 ) -> bool {
     let Err(error) = manufacturer_column(name, format, words) else { return false };
-    let is_own_name = format.name(name) == Some(name);
+    let is_own_name = format.input_of(name) == Some(name);
     is_own_name && (has_text || matches!(error, CaseError::Unknown { nearest: None, .. }))
 }
 

@@ -10,7 +10,7 @@ use bsm_design::{
 
 use crate::answers::record::message;
 use crate::answers::section::beyond_the_flanks;
-use crate::case::axis::speed_number_limit;
+use crate::case::axis_inputs::speed_number_limit;
 use crate::case::rated_nut::{assumed_preload, body, load_ratings, nut, thread};
 use crate::vocabulary::members::{Data, NumbersOf, answer, number_tables};
 use crate::vocabulary::number::format_trimmed;

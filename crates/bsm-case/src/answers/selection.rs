@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 
 use super::manufacturers::{ListNumber, ManufacturerRow, OwnCell};
 use super::ratings::QUANTITIES as RATINGS;
-use crate::case::catalog::LISTS;
+use crate::case::catalog_keys::LISTS;
 use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::column_values::ColumnValues;
 use crate::vocabulary::number::{decimal, format_number, format_trimmed};

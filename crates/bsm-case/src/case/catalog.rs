@@ -5,13 +5,12 @@ use bsm_design::catalog::{Candidate, Limits, Lists, OfferedSize, front};
 use bsm_dyn::{Material, Materials};
 use serde_json::{Map, Value};
 
-use crate::Rule::{Above, AtLeast, Between, Within};
+use crate::case::catalog_keys::ListKey;
 use crate::case::manufacturer_sizes::{offered_sizes, read_sizes};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::error;
-use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
-use crate::{CaseError, NameKind, TableFormat, entries, nearest};
+use crate::{CaseError, LISTS, NameKind, TableFormat, entries, nearest};
 
 /// Standard lists and limits as JSON text, which users can copy and edit.
 pub const STANDARD_CATALOG: &str = include_str!("catalog.json");
@@ -26,9 +25,6 @@ const MANUFACTURER_CONFORMITY: f64 = 0.52;
 /// Number of nuts that are compared in one pass of the Pareto selection.
 const CHUNK: usize = 1 << 16;
 
-/// Smallest permitted length in a list \[mm\].
-const MIN_LENGTH_MM: f64 = 1e-3;
-
 /// Lists of sizes, and the limits that a combination of sizes must meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Catalog {
@@ -36,30 +32,6 @@ pub struct Catalog {
     pub lists: Lists,
     /// Limits for combinations of sizes.
     pub limits: Limits,
-}
-
-keys! {
-    /// Keys of the lists and limits of a catalog. The value of a key is a list of numbers, a range
-    /// of two numbers, or a single number.
-    pub LISTS of ListKey;
-    nominal_diameter_mm ["mm" "d_0"] Within(MIN_LENGTH_MM, 1e4), None, "nominal diameters";
-    lead_mm ["mm" "P_h"] Within(MIN_LENGTH_MM, 1e4), None, "leads";
-    ball_diameter_mm ["mm" "D_w"] Within(MIN_LENGTH_MM, 1e3), None, "ball diameters";
-    loaded_turns ["" "i"] Above(0.0), None, "loaded turns";
-    nut_conformity ["" "f_rn"] Above(0.5), None, "groove radii of the nut divided by ball diameter; the same values apply to the screw";
-    contact_angle_deg ["deg" "alpha"] Between(0.0, 90.0), None, "contact angles";
-    largest_ball_over_lead [""] Above(0.0), None, "largest ball diameter divided by lead";
-    smallest_ball_over_lead [""] AtLeast(0.0), None, "smallest ball diameter divided by lead, for leads up to 10 mm";
-    ball_over_diameter_range [""] AtLeast(0.0), None, "smallest and largest ball diameter divided by nominal diameter";
-    largest_ball_over_screw_root [""] Above(0.0), None, "largest ball diameter divided by root diameter of the screw";
-    largest_ball_gap_over_ball [""] Between(0.0, 1.0), None, "largest gap between the balls of a turn divided by ball diameter";
-    axial_play_um ["um"] AtLeast(0.0), None, "axial play of a nut without preload";
-    turns_range ["" "i"] Above(0.0), None, "smallest and largest number of loaded turns";
-    nut_conformity_range ["" "f_rn"] Above(0.5), None, "smallest and largest groove radius divided by ball diameter";
-    youngs_modulus_GPa ["GPa" "E"] Above(0.0), None, "Young's modulus";
-    poisson_ratio ["" "nu"] Between(0.0, 0.5), None, "Poisson's ratio";
-    preload_over_dynamic_rating [""] Above(0.0), None, "preload of a pair divided by its dynamic load rating; defaults to 0.15 according to Sobolewski (2002), while the rule of `axis` permits 0.1";
-    rolling_friction_mm ["mm"] Above(0.0), None, "lever arm of rolling resistance";
 }
 
 impl Catalog {
@@ -89,7 +61,7 @@ impl Catalog {
     ///
     /// Returns a [`CaseError`] that names the row or the column that is invalid.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Option<Self>, CaseError> {
-        let has_turns = |head: &String| format.name(head) == Some("turns");
+        let has_turns = |head: &String| format.input_of(head) == Some("turns");
         if !Cells::read(table, format)?.heads().iter().any(has_turns) {
             return Ok(None);
         }

@@ -8,8 +8,8 @@ use bsm_design::groove::{
 use bsm_design::turn_length;
 use bsm_dyn::Conformities;
 
-use crate::case::axis::rated_dynamic_load;
-use crate::case::nut::balls_and_turns;
+use crate::case::axis_inputs::rated_dynamic_load;
+use crate::case::nut::NutTurns;
 use crate::case::rated_nut;
 use crate::vocabulary::entries::InputName;
 use crate::vocabulary::input_set::inputs;
@@ -149,7 +149,7 @@ impl Case {
             ball_diameter: meters(InputKey::ball_diameter_mm),
             pitch_diameter: meters(InputKey::pitch_circle_diameter_mm),
             core: meters(InputKey::shaft_diameter_mm),
-            turns: balls_and_turns(self).1,
+            turns: NutTurns::of(self).turns,
             conformity: Conformities { nut: self.nut_conformity, screw: self.screw_conformity },
             contact_angle: self.contact_angle_deg.map(|deg| deg * DEG),
         }))
@@ -160,7 +160,7 @@ impl Case {
         let mut case = self.clone();
         let lead = self.lead().map_or(f64::NAN, |mm| mm * MM);
         let full_turn = turn_length(groove.pitch_diameter, lead) / groove.ball_diameter;
-        let (_, given_turns) = balls_and_turns(self);
+        let given_turns = NutTurns::of(self).turns;
         // If the number of turns is not given, it is chosen so that all balls fit.
         let turns = given_turns.unwrap_or(groove.turns.max(groove.loaded_balls / full_turn));
         let per_turn = (groove.loaded_balls / turns).min(full_turn);

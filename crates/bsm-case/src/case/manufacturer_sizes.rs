@@ -106,7 +106,7 @@ pub(crate) fn manufacturer_column(
     format: &TableFormat,
     words: &[&'static str],
 ) -> Result<Option<(&'static str, UnitChange)>, CaseError> {
-    let Some(own) = format.name(name) else { return Ok(None) };
+    let Some(own) = format.input_of(name) else { return Ok(None) };
     let known = || words.iter().copied().chain(INPUTS.iter().map(|input| input.name));
     if let Some(word) = known().find(|word| *word == own) {
         return Ok(Some((word, UnitChange::NONE)));

@@ -8,7 +8,7 @@ mod loading;
 mod problem;
 mod train;
 
-pub(crate) use circuits::balls_and_turns;
+pub(crate) use circuits::NutTurns;
 pub(crate) use friction::FrictionSource;
 pub use problem::NutProblem;
 pub(crate) use problem::{NUT_ONLY_INPUTS, NutAtRest, NutPreload};

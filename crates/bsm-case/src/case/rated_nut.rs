@@ -3,8 +3,8 @@
 use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, StiffnessAt, Thread};
 use bsm_dyn::Conformities;
 
-use crate::case::axis::{nut_set, rated_dynamic_load};
-use crate::case::nut::balls_and_turns;
+use crate::case::axis_inputs::{nut_set, rated_dynamic_load};
+use crate::case::nut::NutTurns;
 use crate::case::problem::Needs;
 use crate::vocabulary::entries::Named;
 use crate::vocabulary::input_set::{CONTACT_ANGLE, LEAD, inputs, lead_mm};
@@ -31,7 +31,7 @@ impl Case {
 
 /// Returns the inputs of a case, including the inputs that follow from its circuits.
 pub(crate) fn given(case: &Case) -> InputSet {
-    let (balls_per_turn, turns) = balls_and_turns(case);
+    let NutTurns { balls_per_turn, turns } = NutTurns::of(case);
     let stated =
         [(InputKey::loaded_balls_per_turn, balls_per_turn), (InputKey::loaded_turns, turns)];
     let stated = stated.iter().filter(|(_, value)| value.is_some()).map(|(key, _)| *key);
@@ -47,7 +47,7 @@ pub(crate) fn nut(case: &Case) -> Result<Nut, CaseError> {
 /// they are needed.
 pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<Nut, CaseError> {
     case.given().check_forms()?;
-    let (balls_per_turn, turns) = balls_and_turns(case);
+    let NutTurns { balls_per_turn, turns } = NutTurns::of(case);
     let missing = NEEDS.missing(given(case));
     if !missing.is_empty() {
         return Err(CaseError::missing(&missing, &purpose()));

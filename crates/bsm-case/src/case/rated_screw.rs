@@ -5,9 +5,9 @@ use bsm_design::catalog::OfferedSize;
 use bsm_design::drive::rod_inertia;
 use bsm_design::{NutBody, Screw};
 
-use crate::case::axis::nut_set;
+use crate::case::axis_inputs::nut_set;
 use crate::case::manufacturer_sizes::offered_sizes;
-use crate::case::nut::balls_and_turns;
+use crate::case::nut::NutTurns;
 use crate::case::rated_nut;
 use crate::vocabulary::error::invalid_input;
 use crate::vocabulary::input_set::inputs;
@@ -81,7 +81,7 @@ impl RatedScrew {
         let is_ours = |size: &&OfferedSize| same(size.diameter, nominal) && same(size.lead, lead);
         let offered = || offered_sizes().iter().filter(is_ours);
         let mut assumed = Vec::new();
-        let mut or = |key: InputKey, estimate: f64, unit: f64, by: &str| {
+        let mut given_or_estimated = |key: InputKey, estimate: f64, unit: f64, by: &str| {
             case[key].map_or_else(
                 || {
                     if !estimate.is_nan() {
@@ -96,7 +96,7 @@ impl RatedScrew {
         let listed = offered().find_map(|size| size.pitch_diameter);
         let by = if listed.is_some() { "manufacturers' lists" } else { "the nominal diameter" };
         let pitch = listed.unwrap_or(nominal);
-        let pitch = or(InputKey::pitch_circle_diameter_mm, pitch, MM, by);
+        let pitch = given_or_estimated(InputKey::pitch_circle_diameter_mm, pitch, MM, by);
         let least = offered().filter_map(|size| size.core).min_by(f64::total_cmp);
         let by_rule = || Screw::usual_core(nominal, lead, case.ball_diameter_mm.map(|mm| mm * MM));
         let by = if least.is_some() {
@@ -105,16 +105,16 @@ impl RatedScrew {
             "nominal diameter and lead (Z30)"
         };
         let core = least.unwrap_or_else(by_rule);
-        let core = or(InputKey::shaft_diameter_mm, core, MM, by);
+        let core = given_or_estimated(InputKey::shaft_diameter_mm, core, MM, by);
         let mass = Screw::usual_mass_per_length(nominal, core);
-        let mass = or(
+        let mass = given_or_estimated(
             InputKey::screw_mass_kg_m,
             mass,
             1.0,
             "core and nominal diameter, accurate to 20 % (Z31)",
         );
         let starts = case.number(InputKey::starts);
-        let given_turns = balls_and_turns(case).1;
+        let given_turns = NutTurns::of(case).turns;
         let turns = given_turns.or(estimated_turns);
         let usual = NutBody::of_ratings(nominal, lead / starts, turns, nut_set(case));
         let by = match (given_turns, estimated_turns) {
@@ -130,8 +130,13 @@ impl RatedScrew {
                 format!("{turns} loaded turns, because loaded_turns is not given (D10), (BB6)")
             }
         };
-        let length = or(InputKey::nut_length_mm, usual.length, MM, &by);
-        let outer = or(InputKey::nut_outer_diameter_mm, usual.outer, MM, "the nominal diameter");
+        let length = given_or_estimated(InputKey::nut_length_mm, usual.length, MM, &by);
+        let outer = given_or_estimated(
+            InputKey::nut_outer_diameter_mm,
+            usual.outer,
+            MM,
+            "the nominal diameter",
+        );
         for (key, size) in
             [(InputKey::shaft_diameter_mm, core), (InputKey::pitch_circle_diameter_mm, pitch)]
         {
@@ -171,6 +176,6 @@ impl RatedScrew {
 /// turns is unknown.
 pub(crate) fn usual_nut_length_mm(case: &Case) -> Option<f64> {
     let starts = case.number(InputKey::starts);
-    let (pitch, turns) = (case.lead()? * MM / starts, balls_and_turns(case).1?);
+    let (pitch, turns) = (case.lead()? * MM / starts, NutTurns::of(case).turns?);
     Some(nut_set(case).usual_length(pitch, turns) / MM)
 }

@@ -9,7 +9,7 @@ use bsm_dyn::{Direction, angles::Optimum};
 use serde_json::Value;
 
 use crate::Rule::{Above, AtLeast, Between};
-use crate::case::axis::{
+use crate::case::axis_inputs::{
     AXIAL_LOAD, carriage, driven_part, make, motor_speed, mount, preload, preload_method,
     rating_factors, reliability, required_life, stroke,
 };

@@ -25,8 +25,8 @@ pub(crate) trait Member: JsonSchema {
     fn content(self) -> Option<Content>;
 }
 
-/// Cells of a row of a table. The macro [`row!`] implements this trait.
-pub(crate) trait Cells: JsonSchema {
+/// A row of a table. The macro [`row!`] implements this trait.
+pub(crate) trait TableRow: JsonSchema {
     /// Returns the columns of the cells.
     fn columns() -> Vec<Column>;
 
@@ -96,7 +96,7 @@ macro_rules! row {
             )*
         }
 
-        impl $crate::vocabulary::members::Cells for $name {
+        impl $crate::vocabulary::members::TableRow for $name {
             fn columns() -> Vec<$crate::Column> {
                 [$($crate::vocabulary::members::row!(
                     @columns $($flag)? ($field $kind) [$($json)?] [$($head)?]
@@ -119,7 +119,7 @@ macro_rules! row {
         }
     };
     (@columns flatten ($field:ident $kind:ty) [] []) => {
-        <$kind as $crate::vocabulary::members::Cells>::columns()
+        <$kind as $crate::vocabulary::members::TableRow>::columns()
     };
     (@columns skip ($field:ident $kind:ty) [] [$head:literal]) => {
         vec![$crate::Column::new("", Some($head))]
@@ -137,11 +137,11 @@ macro_rules! row {
         vec![$crate::Column::new($json, None)]
     };
     (@cells $self:ident $field:ident flatten) => {
-        $crate::vocabulary::members::Cells::cells(&$self.$field)
+        $crate::vocabulary::members::TableRow::cells(&$self.$field)
     };
     (@cells $self:ident $field:ident $($flag:ident)?) => { vec![serde_json::json!($self.$field)] };
     (@bands $self:ident $field:ident flatten []) => {
-        $crate::vocabulary::members::Cells::bands(&$self.$field)
+        $crate::vocabulary::members::TableRow::bands(&$self.$field)
     };
     (@bands $self:ident $field:ident $($flag:ident)? []) => { vec![None] };
     (@bands $self:ident $field:ident [$interval:ident]) => {
@@ -302,7 +302,7 @@ impl Column {
 
 impl Table {
     /// Creates the table of rows that are declared with [`row!`].
-    pub(crate) fn of<R: Cells>(rows: &[R]) -> Self {
+    pub(crate) fn of<R: TableRow>(rows: &[R]) -> Self {
         let bands: Vec<_> = rows.iter().map(R::bands).collect();
         let has_bands = bands.iter().flatten().any(Option::is_some);
         Self {
@@ -392,7 +392,7 @@ same_schema! {
     NumbersJson<T> as T;
 }
 
-impl<T: NumberTable> Cells for NumberCells<T> {
+impl<T: NumberTable> TableRow for NumberCells<T> {
     fn columns() -> Vec<Column> {
         let column = |output: &Output| Column {
             unit: output.unit,
@@ -448,13 +448,13 @@ impl<T: NumberTable> Member for NumbersOf<T> {
     }
 }
 
-impl<R: Cells> Member for Rows<R> {
+impl<R: TableRow> Member for Rows<R> {
     fn content(self) -> Option<Content> {
         Some(Content::Table(Table::of(&self.0)))
     }
 }
 
-impl<R: Cells> Member for Keyed<R> {
+impl<R: TableRow> Member for Keyed<R> {
     fn content(self) -> Option<Content> {
         Some(Content::Table(Table { keyed: true, ..Table::of(&self.0) }))
     }

@@ -18,7 +18,7 @@ const CASE_DESCRIPTION: &str =
 /// header of a table. Each quantity is stored with the name that the source uses. The source may
 /// specify a quantity only once, in any unit.
 #[derive(Debug, Default)]
-pub struct GivenNames(Vec<(&'static str, String)>);
+pub(crate) struct GivenNames(Vec<(&'static str, String)>);
 
 impl GivenNames {
     /// Adds a quantity together with the name by which the source specifies this quantity.
@@ -26,7 +26,7 @@ impl GivenNames {
     /// # Errors
     ///
     /// Returns [`CaseError::Entry`] with both names if the quantity is already present.
-    pub fn add(&mut self, quantity: &'static str, name: &str) -> Result<(), CaseError> {
+    pub(crate) fn add(&mut self, quantity: &'static str, name: &str) -> Result<(), CaseError> {
         if let Some((_, former)) = self.0.iter().find(|(known, _)| *known == quantity) {
             return Err(CaseError::same_input(former, name));
         }

@@ -296,7 +296,7 @@ impl PhaseEntry {
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
         let key = |name: &str| phase_key(name).map_err(CaseError::Invalid);
-        let columns = cells.columns(|head| format.name(head).map(key).transpose())?;
+        let columns = cells.columns(|head| format.input_of(head).map(key).transpose())?;
         cells.each(&columns, |_, row| {
             let entry = |(column, text): (NamedColumn, &str)| {
                 let value = if column.0 == PROFILE {

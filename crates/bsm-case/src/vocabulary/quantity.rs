@@ -97,6 +97,22 @@ impl Quantity {
         }
     }
 
+    /// Returns the quantity with the given name from the first table that contains the name. In a
+    /// const context, a name that is in none of the tables is a compile error.
+    pub(crate) const fn of_tables(tables: &[&[Self]], name: &str) -> Self {
+        let mut table = 0;
+        loop {
+            let mut place = 0;
+            while place < tables[table].len() {
+                if is_same(tables[table][place].name, name) {
+                    return tables[table][place];
+                }
+                place += 1;
+            }
+            table += 1;
+        }
+    }
+
     /// Returns true if the quantity depends on friction, which is specified by a coefficient or by
     /// a lubricant.
     pub fn follows_from_friction(&self) -> bool {
@@ -199,21 +215,21 @@ macro_rules! keys {
         #[doc = concat!("Key whose value is its index in [`", stringify!($table), "`].")]
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[expect(non_camel_case_types, reason = "variant names match the key names in the vocabulary")]
-        enum $key {
+        pub(crate) enum $key {
             $(#[doc = $about] $name,)*
         }
 
         impl $key {
             /// All keys, in the order of the table.
-            const ALL: [Self; $table.len()] = [$(Self::$name),*];
+            pub(crate) const ALL: [Self; $table.len()] = [$(Self::$name),*];
 
             /// Returns the key with the given name.
-            fn from_name(name: &str) -> Option<Self> {
+            pub(crate) fn from_name(name: &str) -> Option<Self> {
                 Self::ALL.into_iter().find(|key| key.quantity().name == name)
             }
 
             /// Returns the definition of the key.
-            fn quantity(self) -> &'static $crate::Quantity {
+            pub(crate) fn quantity(self) -> &'static $crate::Quantity {
                 &$table[self as usize]
             }
         }

@@ -165,7 +165,7 @@ pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer
         }
         return;
     };
-    for ((answer, verdict), eta) in answers.iter_mut().zip(&batch.verdicts).zip(&batch.columns[0]) {
+    for ((answer, verdict), eta) in answers.iter_mut().zip(&batch.outcomes).zip(&batch.columns[0]) {
         let known = answer.efficiency.unwrap_or(f64::NAN);
         let alike = (eta - known).abs() <= BATCH * known.abs() + ROUNDING;
         if answer.kind == ROUNDED && verdict.status == Status::Converged {

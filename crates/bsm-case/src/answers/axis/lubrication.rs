@@ -30,8 +30,9 @@ impl Lubrication {
         let viscosity = case.viscosity();
         let groove = machine.groove.as_ref().filter(|_| !case.has_estimated_groove());
         let of_groove = groove.map(|(nut, _)| nut.fatigue_limit());
-        let fatigue_limit = of_groove
-            .unwrap_or_else(|| Some(usual_fatigue_limit(machine.ratings[1], screw.pitch_diameter)));
+        let fatigue_limit = of_groove.unwrap_or_else(|| {
+            Some(usual_fatigue_limit(machine.ratings.static_, screw.pitch_diameter))
+        });
         let found = contamination.zip(viscosity).zip(fatigue_limit);
         Ok(found.map(|((contamination, viscosity), fatigue_limit)| Self {
             viscosity,

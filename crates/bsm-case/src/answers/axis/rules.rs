@@ -9,7 +9,8 @@ use bsm_design::shaft::{EndFixity, Shaft};
 use super::drive::MotorPeak;
 use super::{Preload, QUANTITIES, SCREW};
 use crate::answers::warm::QUANTITIES as WARM;
-use crate::case::axis::{AxisModel, motor_speed, mount, preload_method, speed_number_limit};
+use crate::case::axis::AxisModel;
+use crate::case::axis_inputs::{motor_speed, mount, preload_method, speed_number_limit};
 use crate::vocabulary::entries::{Choice, Named};
 use crate::vocabulary::number::{format_number, format_trimmed};
 use crate::vocabulary::units::{MM, UM};
@@ -266,27 +267,32 @@ pub(super) fn at_least(x: f64, digits: usize) -> String {
     format!("{:.digits$}", (x * size * (1.0 - 1e-12)).ceil() / size)
 }
 
-/// Returns the quantity with the given name.
-fn quantity(name: &str) -> Option<&'static Quantity> {
-    let tables = [QUANTITIES, SCREW, WARM, INPUTS];
-    tables.into_iter().flatten().find(|quantity| quantity.name == name)
+/// Limit of a rule. The number is `None` if the rule has a value but no limit, and NaN if the limit
+/// depends on a missing input.
+#[derive(Clone, Copy)]
+enum Limit {
+    /// The quantity must not be smaller than the number.
+    AtLeast(Option<f64>),
+    /// The quantity must not be larger than the number.
+    AtMost(Option<f64>),
 }
 
-/// Creates a rule that limits a quantity, if both the quantity and its limit exist.
+/// Creates a rule that limits a quantity. Returns `None` if the value of the quantity is missing, or
+/// if the limit depends on a missing input.
 ///
-/// * `name`: name of the quantity.
-/// * `at_least`: true if the limit is a minimum, false if it is a maximum.
 /// * `remedy`: function that takes the margin of a violated rule and describes a remedy.
 fn criterion(
-    [title, name]: [&'static str; 2],
+    title: &'static str,
+    Quantity { name, symbol, unit, .. }: Quantity,
     source: Cow<'static, str>,
     value: Option<f64>,
-    (at_least, limit): (bool, Option<f64>),
+    limit: Limit,
     remedy: impl Fn(f64) -> String,
 ) -> Option<Criterion> {
-    let Quantity { symbol, unit, .. } =
-        *quantity(name).expect("every rule refers to an existing quantity");
-    // The limit is NaN if it depends on a missing input, and the rule is then omitted.
+    let (at_least, limit) = match limit {
+        Limit::AtLeast(limit) => (true, limit),
+        Limit::AtMost(limit) => (false, limit),
+    };
     if limit.is_some_and(f64::is_nan) {
         return None;
     }
@@ -322,10 +328,11 @@ macro_rules! rules {
         $(#[$doc])*
         fn $rules($of: &RuleInputs<'_>) -> impl Iterator<Item = Criterion> {
             let all = [$(criterion(
-                [$title, stringify!($name)],
+                $title,
+                rules!(@quantity $name),
                 Cow::from($source),
                 rules!(@value $of $name $($value)?),
-                (rules!(@$bound), $limit),
+                rules!(@$bound $limit),
                 |$margin: f64| {
                     let _ = $margin;
                     $remedy.into()
@@ -336,8 +343,12 @@ macro_rules! rules {
     };
     (@value $of:ident $name:ident) => { $of.number(output!($name)) };
     (@value $of:ident $name:ident $value:expr) => { $value };
-    (@at_least) => { true };
-    (@at_most) => { false };
+    // A name that is in none of the tables does not compile.
+    (@quantity $name:ident) => {
+        const { Quantity::of_tables(&[QUANTITIES, SCREW, WARM, INPUTS], stringify!($name)) }
+    };
+    (@at_least $limit:expr) => { Limit::AtLeast($limit) };
+    (@at_most $limit:expr) => { Limit::AtMost($limit) };
 }
 
 rules! {
@@ -545,7 +556,8 @@ pub(super) fn rules(
 /// Returns the rule that requires a warm steady state to exist.
 pub(super) fn steady_state(fold: Option<f64>) -> Option<Criterion> {
     let source = "no warm state exists above the fold (I20); the calculated friction heat is accurate to about 25 %";
-    criterion([STEADY_STATE, "fold_speed_factor"], source.into(), fold, (true, Some(FOLD)), |_| {
+    let limit = Limit::AtLeast(Some(FOLD));
+    criterion(STEADY_STATE, rules!(@quantity fold_speed_factor), source.into(), fold, limit, |_| {
         "a colder screw, a warmer nut, less preload, or O arrangement instead of X".to_owned()
     })
 }

@@ -17,7 +17,8 @@ use super::drive::PowerLoss;
 use super::heat::{Heating, Powers};
 use super::lubrication::Lubrication;
 use super::torques::{PhaseTorques, Preload, Torques};
-use crate::case::axis::{AxisModel, FixedEnds, mount};
+use crate::case::axis::{AxisModel, FixedEnds};
+use crate::case::axis_inputs::mount;
 use crate::case::warm::{Warm, WarmState};
 use crate::vocabulary::entries::{KappaBy, Named};
 use crate::vocabulary::units::UM;
@@ -331,8 +332,8 @@ impl<'a> AxisState<'a> {
         let by_catalog = || {
             let stated = self.case.rated_rigidity_N_um?;
             let Named(at) = self.case.entries.rated_rigidity_at?;
-            let ratings = self.machine.ratings;
-            let stiffness = at.stiffness(stated, axis.largest_load(), axis.preload, ratings[0]);
+            let rating = self.machine.ratings.dynamic;
+            let stiffness = at.stiffness(stated, axis.largest_load(), axis.preload, rating);
             Some((stiffness?, StiffnessOrigin::Catalog))
         };
         let calculated = || {
@@ -393,7 +394,7 @@ impl<'a> AxisState<'a> {
     /// for the travel of `rating_basis`, and without modifying factors.
     pub(super) fn required_rating_in_basis(&self) -> Option<f64> {
         let Named(basis) = self.case.entries.rating_basis?;
-        let factors = self.axis().dynamic_rating / self.machine.ratings[0];
+        let factors = self.axis().dynamic_rating / self.machine.ratings.dynamic;
         Some(self.required_rating()? / factors / basis.factor(self.axis().screw.lead))
     }
 

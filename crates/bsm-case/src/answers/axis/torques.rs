@@ -12,7 +12,8 @@ use serde::Serialize;
 
 use super::contacts::{Contacts, contacts, nut_at, takes_catalog_efficiency};
 use super::{NEEDS, NUT, QUANTITIES};
-use crate::case::axis::{AxisModel, carriage};
+use crate::case::axis::AxisModel;
+use crate::case::axis_inputs::carriage;
 use crate::case::warm::ColdNut;
 use crate::vocabulary::members::{NumbersJson, number_tables};
 use crate::vocabulary::number::format_short;

@@ -29,16 +29,28 @@ const ANGLES: Rule = Rule::Within(-1e6, 1e6);
 /// Maximum number of balls of a nut.
 const MAX_BALLS: usize = 100_000;
 
-/// Returns the number of loaded balls per turn and the number of loaded turns of one nut body, from
-/// the listed circuits or from the inputs [`SHORT`].
-pub(crate) fn balls_and_turns(case: &Case) -> (Option<f64>, Option<f64>) {
-    let Some(circuits) = &case.entries.circuits else {
-        return (case.loaded_balls_per_turn, loaded_turns(|key| case[key]));
-    };
-    let first = || circuits.iter().filter(|circuit| circuit.body == 0);
-    let turns = first().map(|circuit| circuit.arc_deg).sum::<f64>() / 360.0;
-    let balls = first().map(|circuit| circuit.balls).sum::<usize>();
-    (Some(count(balls) / turns), Some(turns))
+/// Loaded turns of one nut body.
+pub(crate) struct NutTurns {
+    /// Number of loaded balls per turn, if it is known.
+    pub(crate) balls_per_turn: Option<f64>,
+    /// Number of loaded turns, if it is known.
+    pub(crate) turns: Option<f64>,
+}
+
+impl NutTurns {
+    /// Determines the loaded turns of a case from the listed circuits or from the inputs [`SHORT`].
+    pub(crate) fn of(case: &Case) -> Self {
+        let Some(circuits) = &case.entries.circuits else {
+            return Self {
+                balls_per_turn: case.loaded_balls_per_turn,
+                turns: loaded_turns(|key| case[key]),
+            };
+        };
+        let first = || circuits.iter().filter(|circuit| circuit.body == 0);
+        let turns = first().map(|circuit| circuit.arc_deg).sum::<f64>() / 360.0;
+        let balls = first().map(|circuit| circuit.balls).sum::<usize>();
+        Self { balls_per_turn: Some(count(balls) / turns), turns: Some(turns) }
+    }
 }
 
 /// Returns the nut design in which the number of balls per turn and the number of turns are taken
@@ -124,8 +136,8 @@ fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
 
 /// Creates the circuits of a single nut, or of both nuts of a pair that is preloaded by an offset.
 pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circuit>, CaseError> {
-    let (per_turn, turns) = balls_and_turns(case);
-    let (per_turn, turns) = (per_turn.unwrap_or(f64::NAN), turns.unwrap_or(f64::NAN));
+    let NutTurns { balls_per_turn, turns } = NutTurns::of(case);
+    let (per_turn, turns) = (balls_per_turn.unwrap_or(f64::NAN), turns.unwrap_or(f64::NAN));
     let (number, starts) = (case.number(InputKey::circuits_count), case.number(InputKey::starts));
     let arc = 360.0 * turns / number;
     let balls = (per_turn * arc / 360.0).round();
