@@ -173,6 +173,11 @@ impl Task {
     ///
     /// Returns [`RunError`] if reading or writing fails, a thread cannot be started, or the run is
     /// stopped. The sink is then dropped.
+    ///
+    /// # Panics
+    ///
+    /// Panics if [`filled`](Self::filled) contains an output that is not an input column of the
+    /// source.
     pub fn run<S: AnswerSink + Send>(
         &self,
         source: &mut dyn Source,
