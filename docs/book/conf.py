@@ -91,15 +91,27 @@ def leaves(schema):
     return found
 
 
-def table(schema):
-    """Return a Markdown table of the names in a JSON Schema, with their permitted values and meanings."""
+def table(schema, above=None):
+    """Return a Markdown table of the names in a JSON Schema, with their permitted values and meanings.
+
+    Rows in `above` are omitted, and only their names are listed below the table. New rows are added to `above`.
+    """
+    repeated = []
     bounds = {"exclusiveMinimum": "> ", "minimum": "≥ ", "exclusiveMaximum": "< ", "maximum": "≤ ", "default": "default "}
     rows = ["| name | value | meaning |", "|---|---|---|"]
     for name, entry in leaves(schema).items():
         kinds = entry.get("enum", entry.get("type", []))
         kinds = [str(kind) for kind in (kinds if isinstance(kinds, list) else [kinds]) if kind not in (None, "null")]
         rules = [f"{sign}{entry[key]}".removesuffix(".0") for key, sign in bounds.items() if key in entry]
-        rows.append(f"| `{name}` | {'; '.join([', '.join(kinds), *rules])} | {entry['description']} |".replace("$", r"\$"))
+        row = f"| `{name}` | {'; '.join([', '.join(kinds), *rules])} | {entry['description']} |".replace("$", r"\$")
+        if above is not None and row in above:
+            repeated.append(f"`{name}`")
+            continue
+        rows.append(row)
+    if above is not None:
+        above.update(rows[2:])
+    if repeated:
+        rows += ["", f"These results are described in the tables above: {', '.join(repeated)}."]
     return "\n".join(rows) + "\n"
 
 
@@ -123,8 +135,11 @@ def outputs():
     names = {"output": "bsm solve, bsm sweep"}
     names |= {name: f"bsm solve --show {name}" for name in ("slip", "jam", "optimum", "ratings")}
     names |= {name: f"bsm {name}" for name in ("nut", "axis", "select", "fit")}
+    anchors = {command: command.replace(",", "").replace(" ", "-") for command in names.values()}
+    yield "Sections: " + ", ".join(f"[{command}](#{anchor})" for command, anchor in anchors.items()) + ".\n"
+    above = set()
     for name, command in names.items():
-        yield f"## {command}\n\n{table(json.loads(said('schema', name)))}"
+        yield f"## {command}\n\n{table(json.loads(said('schema', name)), above)}"
 
 
 GENERATED = {
@@ -154,7 +169,9 @@ def contents():
 
 def read(_app, name, source):
     if name in GENERATED:
-        source[0] += "\n" + GENERATED[name]()
+        # These sentences only apply outside the book.
+        outside = r" (In a clone of the repository, this page|The documentation site that `just book` builds)[^.]*\."
+        source[0] = re.sub(outside, "", source[0]) + "\n" + GENERATED[name]()
     if name == "README":
         source[0] += "".join(contents())
     if name.startswith("python/notebooks/"):

@@ -105,15 +105,15 @@ right.set(xlabel="friction coefficient", ylabel="axial play [um]")
 plt.show()
 
 # %% [markdown]
-# With increasing play, the drag torque falls until the third contact opens. It is then constant, because only two
-# contacts remain. With a larger friction coefficient, the third contact opens at a larger play, because higher friction
-# pushes the balls farther.
+# With increasing play, the drag torque falls until the balls lose the third contact. The torque is then constant, because
+# only two contacts remain. With a larger friction coefficient, the balls lose the third contact at a larger play, because
+# higher friction pushes the balls farther.
 #
 # Conclusions for a designer:
 #
 # * Ask the manufacturer for the play of the groove. A difference of about 20 um determines whether the drag torque is a
 #   third of the value from the rule or the whole value.
-# * A lower friction coefficient has two advantages: it reduces the friction of each contact, and it can open the third
+# * A lower friction coefficient has two advantages: it reduces the friction of each contact, and the balls can lose the third
 #   contact.
 # * If a delivered nut is hard to turn although its preload is correct, the play may be too small.
 #

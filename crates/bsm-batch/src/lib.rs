@@ -33,7 +33,8 @@
 //!
 //! assert_eq!((count.rows, count.failed), (3, 0));
 //! let table = String::from_utf8(table)?;
-//! assert!(table.lines().last().is_some_and(|row| row.starts_with("1500,rigid,converged,,0.88660")), "{table}");
+//! let last = table.lines().last();
+//! assert!(last.is_some_and(|row| row.starts_with("1500,rigid,converged,,0.88660")), "{table}");
 //! # Ok(())
 //! # }
 //! ```

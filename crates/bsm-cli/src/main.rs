@@ -1,5 +1,11 @@
 //! The `bsm` program: arguments, output and exit codes. It contains no formulas and no default
 //! values.
+//!
+//! To solve a point from Rust, start with [`bsm_case`](../bsm_case/index.html) (case files;
+//! `Case::problem`) or [`bsm_dyn`](../bsm_dyn/index.html) (SI units; `Problem::solve`). Their front
+//! pages contain complete examples. To solve many points, use
+//! [`bsm_batch`](../bsm_batch/index.html); for all balls of a nut, use
+//! [`bsm_nut`](../bsm_nut/index.html).
 
 mod answer;
 mod args;

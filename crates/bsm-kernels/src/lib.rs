@@ -2,9 +2,11 @@
 //! instruction set of the machine.
 //!
 //! A kernel calculates the direct solution of its model for a block of points, one SIMD element per
-//! point. Rows that a kernel cannot solve are left to the scalar solver, `Problem::solve` of
-//! `bsm-dyn`, which also generates the messages. Tests compare the results of the kernels with the
+//! point. Rows that a kernel cannot solve are left to the scalar solver,
+//! [`Problem::solve`](bsm_dyn::Problem::solve), which also generates the messages. Tests compare the results of the kernels with the
 //! results of the scalar solver.
+//!
+//! [`bsm_batch::Task`](../bsm_batch/struct.Task.html) calls the kernels; start there.
 
 mod auto;
 mod closed_form;

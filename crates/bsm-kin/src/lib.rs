@@ -5,7 +5,29 @@
 //! the relative speed. Every formula is generic over [`Scalar`], so that the same code calculates
 //! values and exact derivatives. The crate does not deal with forces, iterations or files.
 //!
-//! Theory: `docs/theory/01-kinematics.md`, equations (K1) to (K15).
+//! Theory: `docs/theory/01-kinematics.md`, equations (K1) to (K15). To solve for the motion of the
+//! balls at an operating point, see [`bsm_dyn`](../bsm_dyn/index.html).
+//!
+//! In this example, the screw turns at 100 rad/s and the nut stands still. A ball that precesses at
+//! half the speed of the screw moves against the nut as fast as the screw moves against the ball:
+//!
+//! ```
+//! use bsm_kin::{BallFrame, Drive, Helix, Motion};
+//!
+//! let helix = Helix { radius: 20.75e-3, lead_angle: 0.15 };
+//! let drive = Drive { screw_speed: 100.0, nut_speed: 0.0 };
+//! let frame = BallFrame::turned(helix.lead_angle, 0.0);
+//!
+//! // Precession rate and angular velocity along t, n and b [rad/s].
+//! let ball = Motion::new(0.5 * drive.relative_speed(), [0.0, 0.0, -300.0]);
+//! let to_nut = ball.relative_to(drive.nut_speed, &frame);
+//! let to_screw = ball.relative_to(drive.screw_speed, &frame);
+//! assert_eq!(to_nut.precession, -to_screw.precession);
+//!
+//! // Speed of the ball center along the helix, relative to the nut [m/s].
+//! let speed = to_nut.precession * helix.arc_length_per_radian();
+//! assert!((speed - 1.0493).abs() < 1e-4);
+//! ```
 
 mod contact;
 mod frame;

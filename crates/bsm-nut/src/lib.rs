@@ -23,7 +23,6 @@
 //!
 //! let (radius, lead) = (20.75e-3, 20e-3);
 //! let steel = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
-//! let flanks = Flanks::Both;
 //! let nut = BallNut {
 //!     helix: Helix { radius, lead_angle: f64::atan2(lead, 2.0 * PI * radius) },
 //!     starts: 1,
@@ -31,7 +30,15 @@
 //!     contact_angle: PI / 4.0,
 //!     conformity: Conformities::alike(0.53),
 //!     material: Materials::alike(steel),
-//!     circuits: vec![Circuit { start: 0.0, arc: 7.0 * PI, balls: 70, thread: 0, body: 0, flanks, offset: 0.0 }],
+//!     circuits: vec![Circuit {
+//!         start: 0.0,
+//!         arc: 7.0 * PI,
+//!         balls: 70,
+//!         thread: 0,
+//!         body: 0,
+//!         flanks: Flanks::Both,
+//!         offset: 0.0,
+//!     }],
 //!     errors: Errors::default(),
 //!     nut_bar: None,
 //!     screw_bar: None,

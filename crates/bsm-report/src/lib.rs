@@ -1,4 +1,7 @@
 //! Figures, HTML pages and tables, and the reports that consist of them.
+//!
+//! Start with [`report_files`], which creates the files of a report, or with [`Figure`], which
+//! draws curves.
 
 mod dxf;
 mod error;

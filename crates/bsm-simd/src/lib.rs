@@ -6,6 +6,32 @@
 //! which they are written, and are fused only where the code requests it. The results are therefore
 //! identical for every instruction set and every position in a lane. WebAssembly is an exception,
 //! because it has no fused operations.
+//!
+//! In this example, [`Arch`] selects the instruction set and runs the calculation for two
+//! triangles:
+//!
+//! ```
+//! use bsm_simd::{Arch, BLOCK, Lane, Simd, WithSimd};
+//!
+//! /// Calculates the hypotenuses of right triangles from their legs.
+//! struct Hypotenuses {
+//!     legs: [[f64; 2]; 2],
+//! }
+//!
+//! impl WithSimd for Hypotenuses {
+//!     type Output = [f64; 2];
+//!
+//!     fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
+//!         let [a, b] = self.legs.map(|leg| Lane::<S, BLOCK>::load(simd, &leg));
+//!         let mut lengths = [0.0; 2];
+//!         a.mul_add(a, b * b).sqrt().store(&mut lengths);
+//!         lengths
+//!     }
+//! }
+//!
+//! let lengths = Arch::new().dispatch(Hypotenuses { legs: [[3.0, 5.0], [4.0, 12.0]] });
+//! assert_eq!(lengths, [5.0, 13.0]);
+//! ```
 
 mod exponential;
 mod lane;
@@ -15,6 +41,7 @@ mod trigonometry;
 
 pub use lane::{Lane, Mask};
 pub use polynomial::polynomial;
+/// From the crate `pulp`: the instruction set and the code that runs with it.
 pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
 /// Number of values that are processed together, which is the number of values in the widest

@@ -4,6 +4,8 @@
 //! into the program, but can also be read from a copy of this folder. Every check states the
 //! published claim, the calculated result, and the reason for its tolerance. Golden files are not
 //! part of this crate, because they only detect changes of results and validate nothing.
+//!
+//! [`run`] runs all checks.
 
 mod dong2020;
 mod elastic;

@@ -5,6 +5,8 @@
 //! returns the same page as a single file, in which the solver runs as WebAssembly. The sources of
 //! the page are in `page/`: an HTML file, plain JavaScript modules, and the libraries in
 //! `page/vendor`.
+//!
+//! Start with [`saved`], which creates the page of a case.
 
 mod answer;
 mod form;

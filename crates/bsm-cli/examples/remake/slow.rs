@@ -134,7 +134,7 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         !setting["options"].as_str().is_some_and(|options| options.starts_with("--creep"))
     });
     let times = times.map(times_row).collect::<Result<Vec<_>>>()?;
-    let header = "| model and setting | rolling | partial skid | gross skid | all | 99 % quantile | batch: rolling | partial skid | gross skid | all | fresh | batch |";
+    let header = "| model and setting | rolling | partial skid | gross skid | all | 99 % quantile | batch: rolling | batch: partial skid | batch: gross skid | batch: all | fresh | batch: fresh |";
     Ok(vec![
         ("tradeoff/summary", Text::Whole(summary(advice)?)),
         ("tradeoff/auto", Text::Whole(auto_means(list(&measured, "settings")?)?)),
@@ -327,7 +327,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         Text::Whole(format!(
             "\nThese {} points take {} (`closed-form` {}){}{fewer}, and {bytes:.1} bytes per row. {} rows with three varied\n\
              inputs take {} from Parquet to Parquet and {} from CSV to CSV. {} points of the same drive with `traction`\n\
-             take {}{}. With `auto`, a row takes {} us on one core. ({})\n",
+             take {}{}. With `auto`, a row takes {} us on one core ({}).\n",
             millions(points),
             seconds(&rigid),
             seconds(&closed),
@@ -703,7 +703,7 @@ pub(crate) fn build(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let size = megabytes(fs::metadata(program)?.len() as f64);
     fs::remove_dir_all(&folder)?;
     let text = format!(
-        "\nA cold release build takes {} min {} s with all dependencies, and the size of the program file is {size}. ({})\n",
+        "\nA cold release build takes {} min {} s with all dependencies, and the size of the program file is {size} ({}).\n",
         time / 60,
         time % 60,
         site.machine()?

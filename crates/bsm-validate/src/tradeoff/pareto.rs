@@ -54,9 +54,15 @@ fn figure(
             curves.push(Curve::new(label, curves.len(), stroke, Vec::new()));
             curves.len() - 1
         });
-        curves[place].points.push((1e-3 * time(times), error.q99));
+        let point = (1e-3 * time(times), error.q99);
         let value = result.setting.options.split_once(' ').map_or("", |(_, value)| value);
-        curves[place].marks.push(value.to_owned());
+        let Curve { points, marks, .. } = &mut curves[place];
+        let overlaps = points
+            .iter()
+            .zip(&*marks)
+            .any(|(other, mark)| !mark.is_empty() && labels_overlap(point, *other));
+        points.push(point);
+        marks.push(if overlaps { "" } else { value }.to_owned());
     }
     Figure {
         key: format!("pareto-{key}"),
@@ -68,4 +74,10 @@ fn figure(
         y: PlotAxis::log("efficiency error, 99 % quantile"),
         curves,
     }
+}
+
+/// Returns true if the labels of two points would overprint each other, which is the case if their
+/// times differ by less than about 20 % and their errors by less than one decade.
+fn labels_overlap(one: (f64, f64), other: (f64, f64)) -> bool {
+    (one.0 / other.0).ln().abs() < 0.2 && (one.1 / other.1).log10().abs() < 1.0
 }

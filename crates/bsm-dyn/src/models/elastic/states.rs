@@ -244,7 +244,7 @@ impl<P: Real> SlidingBall<P> {
         let nut = (x_b * (-s.cos[1] * self.cos + d) - self.sin) * share;
         // |V_B| = w_B [x_A (d + cosα cosβ_A) + sinα]/[(x_A + x_B)(1 + x_A x_B)]  (S23)
         let screw = (x_a * (s.cos[0] * self.cos + d) + self.sin) * share;
-        // π = |V_A| (1 + x_A cotα cosβ_A)/w_A                             (S24)
+        // ϖ = |V_A| (1 + x_A cotα cosβ_A)/w_A                             (S24)
         let rolling = nut * (x_a * s.cos[0] * self.cot + 1.0) * d.recip();
         // g = (5/2) F Y cotα sin2ν/M                                      (S25)
         let g = s.load_parameter * (self.friction * 2.5 * self.cot) * s.angle_difference.0

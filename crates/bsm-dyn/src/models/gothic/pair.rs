@@ -36,6 +36,15 @@ pub struct RunningPair {
 /// times as large.
 const DISPLACEMENT_TOL: f64 = 1e-11;
 
+/// Relative tolerance of the force balance between the two nuts.
+const FORCE_TOL: f64 = 1e-6;
+
+/// Minimum displacement of each nut beyond first contact, divided by the offset. The force at this
+/// displacement is about 1e-9 of the preload and thus below [`FORCE_TOL`]. If the search could
+/// approach zero, it would evaluate displacements so small that they are lost in rounding, and at
+/// which no flank carries a load.
+const MIN_DISPLACEMENT: f64 = 1e-6;
+
 impl GothicPair {
     /// Returns the force between the nuts without friction and external load \[N\].
     ///
@@ -85,10 +94,11 @@ impl GothicPair {
         let mut last: Option<(f64, f64)> = None;
         let mut balls: Option<[GothicState; 2]> = None;
         let mut failure: Option<SolveFailure> = None;
+        let ends = [MIN_DISPLACEMENT, 1.0 - MIN_DISPLACEMENT].map(|part| part * self.offset);
         let bracket = Bracket {
             start: Some(0.5 * self.offset),
             x_tol: DISPLACEMENT_TOL,
-            ..Bracket::new([0.0, self.offset], [f64::NEG_INFINITY, f64::INFINITY])
+            ..Bracket::new(ends, [f64::NEG_INFINITY, f64::INFINITY])
         };
         let found = bracket.root(|u| {
             let found = match at(u, balls.as_ref(), work) {
@@ -118,7 +128,7 @@ impl GothicPair {
         let root = found.root().ok_or_else(|| lifted.clone())?;
         let [driving, back_driven] = at(root.x, balls.as_ref(), work)?;
         let force = driving.axial_force.max(external.abs());
-        if (driving.axial_force - back_driven.axial_force - external).abs() > 1e-6 * force {
+        if (driving.axial_force - back_driven.axial_force - external).abs() > FORCE_TOL * force {
             return Err(lifted);
         }
         let speed = self.driving.screw.point.drive.relative_speed().abs();

@@ -263,7 +263,7 @@ impl<F: Real> StaticBalance<F> {
         let part = F::select(self.by_nut, p, one - p);
         let half = (a.cos * b.cos + a.sin * b.sin + 1.0).recip();
         let sin_of_difference = b.sin * a.cos - b.cos * a.sin;
-        // |∂p/∂cotβ| ≤ sin²β_B [π tan(D/2) + (r_b/d) cosα sinβ_B/(1 + cosD)]  (W15)
+        // |∂p/∂cotβ| ≤ sin²β_B [ϖ tan(D/2) + (r_b/d) cosα sinβ_B/(1 + cosD)]  (W15)
         let slope = b.sin.square() * (part * sin_of_difference + self.lever * b.sin) * half;
         let falls = outwards.at_most(0.0);
         c.at_least(0.0)
