@@ -1,17 +1,11 @@
-//! Data for the input form of the page: groups of inputs with their units and permitted values, and
-//! the names of all choices.
+//! Data for the input form and the labels of the page: groups of inputs with their units and
+//! permitted values, outputs, and the names of the models.
 
 use bsm_case::units::{UnitChange, label, other_units};
-use bsm_case::{
-    Choice, DisplayUnit, DisplayUnits, INPUTS, ModelChoice, OUTPUTS, Settings, input_schema,
-    output_schema,
-};
-use bsm_dyn::{Control, model::RacewayFriction};
+use bsm_case::{Choice, DisplayUnit, DisplayUnits, INPUTS, ModelChoice, OUTPUTS, input_schema};
 use serde_json::{Value, json};
 
-use crate::answer::MAX_POINTS;
-
-/// Returns the schemas of cases and results, and all other data that the form needs.
+/// Returns the schema of cases, the names and units of inputs and outputs, and the display units.
 pub(crate) fn schema() -> Value {
     let mut groups = Vec::new();
     for input in INPUTS {
@@ -40,7 +34,7 @@ pub(crate) fn schema() -> Value {
     let outputs = OUTPUTS.iter().filter(|output| output.json_type == "number").map(|output| {
         let whole = label(output.name, output.unit);
         let words = whole.rsplit_once(", ").map_or(&*whole, |(words, _)| words);
-        json!({ "name": output.name, "label": words, "unit": output.unit, "about": output.about })
+        json!({ "name": output.name, "label": words, "unit": output.unit })
     });
     // For each unit system, the list contains the display units that differ from the metric units,
     // each with its text, its conversion factor and the offset of its zero point.
@@ -54,14 +48,9 @@ pub(crate) fn schema() -> Value {
     json!({
         "display": display.collect::<Value>(),
         "input": input_schema(),
-        "output": output_schema(),
         "groups": groups,
         "inputs": inputs.collect::<Vec<_>>(),
         "outputs": outputs.collect::<Vec<_>>(),
         "models": ModelChoice::names().collect::<Vec<_>>(),
-        "controls": Control::ALL.map(Control::name),
-        "frictions": RacewayFriction::ALL.map(RacewayFriction::name),
-        "settings": Settings::default().to_json(),
-        "points": MAX_POINTS,
     })
 }
