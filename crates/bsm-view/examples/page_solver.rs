@@ -2,8 +2,8 @@
 //! standard output. The page runs it as WebAssembly, once for each request.
 //!
 //! The first line of the input is the route, and the rest is the body of the request. The output is
-//! an object with the member `answer` or, if the request is refused, with the member `error`, which
-//! contains the message.
+//! an object with the member `answer` or, if the request is refused, with the members `error` (the
+//! message) and `key` (the name of the invalid or missing input, or null).
 
 use std::io::{self, Read, Write};
 use std::sync::atomic::AtomicBool;
@@ -20,7 +20,7 @@ fn main() -> io::Result<()> {
     let workers = Workers::start(None, &never)?;
     let reply = match answer(route, body.as_bytes(), &workers, &never) {
         Ok(answer) => json!({ "answer": answer }),
-        Err(refusal) => json!({ "error": refusal.to_string() }),
+        Err(refusal) => refusal.to_json(),
     };
     io::stdout().write_all(reply.to_string().as_bytes())
 }

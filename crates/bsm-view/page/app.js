@@ -72,7 +72,7 @@ function complain(error) {
   const alert = element("alert");
   alert.hidden = !error;
   if (!error) { inputs.blame(null); return; }
-  const named = !(error instanceof ServerStopped) && inputs.blame(error.message);
+  const named = !(error instanceof ServerStopped) && inputs.blame(error);
   alert.textContent = error.message;
   alert.dataset.named = named;
 }

@@ -1,10 +1,9 @@
 // Input fields, created from the list of inputs that the program accepts.
 
 import { html, brief, parsed } from "bsm/draw";
-import { start } from "bsm/source";
+import { INPUT, start } from "bsm/source";
 
 const { schema } = start;
-const INPUT = new Map(schema.inputs.map((input) => [input.name, input]));
 const STEPS = 1000;
 
 /** Returns the permitted values of an input that is not a number: the entries of a list, or true and false. */
@@ -165,15 +164,18 @@ export class Inputs {
     this.changed(this.case);
   }
 
-  /** Marks the fields that an error message names. If there is no message, all marks are removed. */
-  blame(message) {
-    const names = new Set(message?.match(/[A-Za-z][A-Za-z0-9_]*/g));
+  /**
+   * Marks the field of the input that caused an error, and returns true if such a field exists. If the error does not state an input,
+   * all fields that its message names are marked. If there is no error, all marks are removed.
+   */
+  blame(error) {
+    const names = new Set(error?.key ? [error.key] : error?.message.match(/[A-Za-z][A-Za-z0-9_]*/g));
     let any = false;
     for (const [name, { element, box, wrong }] of this.fields) {
       const bad = names.has(name);
       element.classList.toggle("bad", bad);
       box.setAttribute("aria-invalid", bad);
-      wrong.hidden = !bad; wrong.textContent = bad ? message : "";
+      wrong.hidden = !bad; wrong.textContent = bad ? error.message : "";
       any ||= bad;
     }
     return any;

@@ -1,19 +1,10 @@
 // The results of a case: the most important numbers at the top of the page, and all numbers at its end.
 
 import { html, number, interval, brief, table, row, none, unitOf, shown, shownAll, shownUnit } from "bsm/draw";
-import { start } from "bsm/source";
+import { OUTPUT } from "bsm/source";
 
-const KEYS = [
-  ["efficiency", "Efficiency"],
-  ["ball_torque_Nm", "Torque of the balls"],
-  ["dissipated_power_W", "Heat"],
-  ["nut_max_pressure_MPa", "Pressure, nut"],
-  ["axial_displacement_um", "Displacement"],
-  ["ball_precession_rad_s", "Orbital speed of the balls"],
-];
-
-/** Units of the outputs without conversion to displayed units. */
-const UNIT = new Map(start.schema.outputs.map(({ name, unit }) => [name, unit]));
+/** Outputs at the top of the page. */
+const KEYS = ["efficiency", "ball_torque_Nm", "dissipated_power_W", "nut_max_pressure_MPa", "axial_displacement_um", "ball_precession_rad_s"];
 
 export function showKey(host, result) {
   if (result.status !== "converged") {
@@ -22,11 +13,11 @@ export function showKey(host, result) {
     return;
   }
   const ends = result.groove_estimate?.intervals ?? {};
-  const keys = KEYS.flatMap(([name, words]) => {
-    const [value, unit] = result.shown.keys[name] ?? [];
-    return value == null ? [] : [html("div", {}, html("dt", {}, result.without_error_bound?.includes(name) ? `${words} *` : words),
+  const keys = KEYS.flatMap((name) => {
+    const [value, unit] = result.shown.keys[name] ?? [], { label, unit: ownUnit } = OUTPUT.get(name);
+    return value == null ? [] : [html("div", {}, html("dt", {}, result.without_error_bound?.includes(name) ? `${label} *` : label),
       html("dd", { "data-output": name }, number(value), html("small", {}, unit ? ` ${unitOf(unit)}` : ""),
-        ends[name] ? html("div", { class: "small faint" }, interval(shownAll(ends[name], UNIT.get(name)))) : null))];
+        ends[name] ? html("div", { class: "small faint" }, interval(shownAll(ends[name], ownUnit))) : null))];
   });
   const band = result.band;
   host.replaceChildren(
@@ -39,8 +30,7 @@ export function showKey(host, result) {
     ...(band ? [html("p", { class: "small" },
       `90 % interval of the torque for the uncertain oil properties: ${number(shown(band.ball_torque_Nm.low, "N m"))} to ${number(shown(band.ball_torque_Nm.high, "N m"))} ${shownUnit("N m")}.`)]
       : []),
-    // The first note describes the groove estimate.
-    ...(result.groove_estimate ? [html("p", { class: "small" }, `${result.notes[0]} Pictures and maps show the best groove only.`)] : []),
+    ...(result.groove_note ? [html("p", { class: "small" }, `${result.groove_note} Pictures and maps show the best groove only.`)] : []),
     ...warnings(result));
 }
 

@@ -2,7 +2,7 @@
 
 import * as three from "three";
 import { OrbitControls } from "three";
-import { html, svg, picture, number, shown, measured, labeled, brief, none, ramp, rampBar, color, path } from "bsm/draw";
+import { html, svg, picture, number, numberOf, shown, measured, labeled, brief, none, ramp, rampBar, color, path } from "bsm/draw";
 
 const DEG = Math.PI / 180, TURN = 2 * Math.PI;
 /** Speed of the faster of screw and nut in the animation [rev/s]. */
@@ -210,9 +210,8 @@ export class Space {
 
   describe(found, solved, low, high, slow, shared) {
     const speed = slow ? `slowed ${brief(slow)} times` : "not to scale, because the speed is missing";
-    const [, , spins] = solved.shown.contacts.find(([words]) => words === "spin about the normal") ?? [];
-    const spin = spins ? ` The spin is ${spins[0]} rad/s at the nut and ${spins[1]} rad/s at the screw. The orbital speed of the ball is ${number(solved.ball_precession_rad_s)} rad/s.`
-      : "";
+    const spin = solved.nut_spin_rad_s == null ? ""
+      : ` The spin is ${numberOf(solved, "nut_spin_rad_s")} rad/s at the nut and ${numberOf(solved, "screw_spin_rad_s")} rad/s at the screw. The orbital speed of the ball is ${number(solved.ball_precession_rad_s)} rad/s.`;
     const label = `Screw with a pitch circle of ${measured(found.pitch, "mm")}, ${found.balls.length} balls of ${measured(found.ball, "mm")} and a lead of ${measured(found.lead, "mm")}; loads from ${number(shown(low, "N"))} to ${measured(high, "N")}`;
     const balls = shared ? rampBar(shown(low, "N"), shown(high, "N"), labeled("load of a ball", "N"))
       : html("p", { class: "small" }, found.balls.length === 1 ?

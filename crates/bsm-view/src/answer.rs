@@ -13,20 +13,26 @@ use bsm_case::{
 use bsm_dyn::{Model, ModelWorkspace, Status, model::RacewayFriction};
 use bsm_report::sheets::{size_figures, size_page, size_results};
 use bsm_report::{PROGRAM, format_number};
+use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use thiserror::Error;
 
 use crate::form::schema;
 
 /// Maximum number of points of a map.
-pub(crate) const MAX_POINTS: usize = 40_000;
+const MAX_POINTS: usize = 40_000;
 
 /// The reason why a request is refused.
 #[derive(Debug, Error)]
 pub enum Refusal {
-    /// The request contains invalid input. The message is the same as on the command line.
-    #[error("{0}")]
-    Input(String),
+    /// The request contains invalid input.
+    #[error("{text}")]
+    Input {
+        /// Message, which is the same as on the command line.
+        text: String,
+        /// Name of the invalid or missing input, if the name is known.
+        key: Option<String>,
+    },
     /// The server has no route with this path.
     #[error("unknown route `{0}`")]
     Route(String),
@@ -46,17 +52,52 @@ pub enum Refusal {
     Thread(std::io::Error),
 }
 
-impl From<CaseError> for Refusal {
-    fn from(error: CaseError) -> Self {
-        Self::Input(error.to_string())
+impl Refusal {
+    /// Creates the refusal of an input whose name is not known.
+    pub(crate) fn input(text: impl Into<String>) -> Self {
+        Self::Input { text: text.into(), key: None }
+    }
+
+    /// Converts the refusal to a JSON object with two members: `error` contains the message, and
+    /// `key` contains the name of the invalid or missing input, or null.
+    pub fn to_json(&self) -> Value {
+        let key = match self {
+            Self::Input { key, .. } => key.as_deref(),
+            _ => None,
+        };
+        json!({ "error": self.to_string(), "key": key })
     }
 }
 
-/// A parsed request: the case, the settings and all other members of the JSON object.
+impl From<CaseError> for Refusal {
+    fn from(error: CaseError) -> Self {
+        Self::Input { text: error.to_string(), key: error.key().map(str::to_owned) }
+    }
+}
+
+/// Members of a request that only some routes read. All members can be missing.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RequestOptions {
+    /// `solve`: false to omit the torque contributions.
+    parts: Option<bool>,
+    /// `solve`: true to calculate the 90 % intervals for the uncertain oil properties.
+    #[serde(default)]
+    band: bool,
+    /// `axis`: true to include the axis sheet.
+    #[serde(default)]
+    sheet: bool,
+    /// `sweep`: axes of the grid, in the form of the option `--vary`.
+    vary: Option<Vec<String>>,
+    /// `sweep`: names of the outputs.
+    columns: Option<Vec<String>>,
+}
+
+/// A parsed request.
 pub(crate) struct Request {
     pub(crate) case: Case,
     pub(crate) settings: Settings,
-    rest: Map<String, Value>,
+    options: RequestOptions,
 }
 
 impl Request {
@@ -67,13 +108,17 @@ impl Request {
 
     /// Parses the JSON body of a request.
     pub(crate) fn read(body: &[u8]) -> Result<Self, Refusal> {
-        let mut rest: Map<_, _> = bsm_case::entries(body)?.into_iter().collect();
-        let case =
-            rest.remove("case").ok_or_else(|| Refusal::Input("case is missing".to_owned()))?;
-        let case = Case::from_json(case.to_string().as_bytes())?;
+        let mut members: Map<_, _> = bsm_case::entries(body)?.into_iter().collect();
+        let case = match members.remove("case") {
+            Some(Value::Object(entries)) => Case::from_entries(entries)?,
+            Some(_) => return Err(Refusal::input("`case` must be an object")),
+            None => return Err(Refusal::input("case is missing")),
+        };
         // The settings have the same format as in the output of `bsm solve --json`.
-        let settings = Settings::from_json(rest.get("settings").unwrap_or(&Value::Null))?;
-        Ok(Self { case, settings, rest })
+        let settings = Settings::from_json(&members.remove("settings").unwrap_or_default())?;
+        let options = serde_path_to_error::deserialize(Value::Object(members))
+            .map_err(|error| Refusal::input(error.to_string()))?;
+        Ok(Self { case, settings, options })
     }
 }
 
@@ -117,27 +162,26 @@ fn point(request: &Request) -> Result<Value, Refusal> {
 
 /// Returns the answer, or an object with the error message if there is no answer.
 fn or_message(answer: Result<Value, Refusal>) -> Value {
-    answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
+    answer.unwrap_or_else(|refusal| refusal.to_json())
 }
 
-/// Returns the output of `bsm solve --json`, the rows of the printed table, and the cross section
-/// of the grooves.
+/// Returns the output of `bsm solve --json`, the rows of the printed table, the cross section of the
+/// grooves, and the note on an estimated groove.
 fn solve(request: &Request) -> Result<Value, Refusal> {
-    solved(request, request.rest.get("parts") != Some(&Value::Bool(false)))
+    solved(request, request.options.parts.unwrap_or(true))
 }
 
 /// Returns the same data as [`solve`], optionally without the torque contributions.
 ///
 /// * `parts`: true to include the torque contributions, which require the equilibrium of a
 ///   preloaded nut.
-fn solved(Request { case, settings, rest }: &Request, parts: bool) -> Result<Value, Refusal> {
+fn solved(Request { case, settings, options }: &Request, parts: bool) -> Result<Value, Refusal> {
     let record = Record::new(case.problem(settings)?.solve(&mut ModelWorkspace::default()));
     if record.status() == Status::InvalidInput {
         let text = record.message().unwrap_or("the model does not accept the inputs");
-        return Err(Refusal::Input(text.to_owned()));
+        return Err(Refusal::input(text));
     }
-    let band = rest.get("band") == Some(&Value::Bool(true));
-    let supplement = Supplement { band, parts, sensitivities: None };
+    let supplement = Supplement { band: options.band, parts, sensitivities: None };
     let answer = record.answer(PROGRAM, case, settings, &supplement);
     let answer = answer.with_groove_intervals(case, FEW_DRAWS, |possible| {
         let solution = possible.problem(settings).ok()?.solve(&mut ModelWorkspace::default());
@@ -145,10 +189,10 @@ fn solved(Request { case, settings, rest }: &Request, parts: bool) -> Result<Val
         Some(Record::new(solution).answer(PROGRAM, possible, settings, &supplement))
     });
     let Value::Object(mut report) = answer.to_json() else {
-        return Err(Refusal::Input("the point has no result".to_owned()));
+        return Err(Refusal::input("the point has no result"));
     };
     let numbers =
-        answer.shown_numbers().ok_or(Refusal::Input("the point has no result".to_owned()))?;
+        answer.shown_numbers().ok_or_else(|| Refusal::input("the point has no result"))?;
     let numbers = numbers.clone().in_units(case.display_units());
     let unbounded = record.unbounded();
     let rows = |scope: Scope| numbers.rows().filter(move |row| row.quantity.scope == scope);
@@ -183,6 +227,7 @@ fn solved(Request { case, settings, rest }: &Request, parts: bool) -> Result<Val
             "keys": numbers.rows().flat_map(key).collect::<Map<_, _>>(),
         }),
     );
+    report.insert("groove_note".to_owned(), json!(case.groove_note()));
     report.insert("lubrication".to_owned(), json!(record.lubrication()));
     let section = GrooveSection::of(case).ok();
     let warnings = section.as_ref().map(|section| section.warnings(&record));
@@ -196,9 +241,11 @@ fn solved(Request { case, settings, rest }: &Request, parts: bool) -> Result<Val
 }
 
 /// Returns the output of `bsm solve --model all --json`, including the omitted models and the
-/// reasons for omitting them.
+/// reasons for omitting them. The note on an estimated groove is a separate member.
 fn compare(Request { case, .. }: &Request) -> Result<Value, Refusal> {
-    Ok(comparison(case)?.to_json())
+    let mut answer = comparison(case)?.to_json();
+    answer["groove_note"] = json!(case.groove_note());
+    Ok(answer)
 }
 
 /// Returns the solution whose motion is analyzed. The page shows results of the same solution, so
@@ -251,7 +298,7 @@ fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
 
 /// Returns the output of `bsm axis --json`, the formatted numbers and, if requested, the axis
 /// sheet.
-fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
+fn axis(Request { case, settings, options }: &Request) -> Result<Value, Refusal> {
     let report = AxisReport::of(case, settings)?;
     let mut answer = size_results(&report);
     let displayed = report.answer.clone().in_units(case.display_units());
@@ -263,9 +310,9 @@ fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
     if let Some(estimate) = answer.get_mut("groove_estimate") {
         estimate["intervals"] = displayed.intervals();
     }
-    if rest.get("sheet") == Some(&Value::Bool(true)) {
+    if options.sheet {
         let sheet = size_page(&report, &size_figures(&report), None)
-            .map_err(|error| Refusal::Input(error.to_string()))?;
+            .map_err(|error| Refusal::input(error.to_string()))?;
         answer["sheet"] = json!(sheet);
     }
     Ok(answer)
@@ -297,28 +344,24 @@ fn columns(table: &Columns) -> Value {
 /// axes of the grid, and `columns` contains the outputs. Models and statuses are returned as
 /// indices into lists of names.
 fn sweep(
-    Request { case, settings, rest }: &Request,
+    Request { case, settings, options }: &Request,
     workers: &Workers<'_>,
     stop: &AtomicBool,
 ) -> Result<Value, Refusal> {
-    let texts = |key: &str| -> Result<Vec<String>, Refusal> {
-        let list = rest.get(key).and_then(Value::as_array);
-        let texts: Option<Vec<_>> =
-            list.and_then(|list| list.iter().map(|x| x.as_str().map(str::to_owned)).collect());
-        texts.ok_or_else(|| Refusal::Input(format!("{key} must be a list of strings")))
-    };
-    let grid = Grid::parse(&texts("vary")?)?;
+    let vary = options.vary.as_ref().ok_or_else(|| Refusal::input("vary is missing"))?;
+    let columns = options.columns.as_ref().ok_or_else(|| Refusal::input("columns is missing"))?;
+    let grid = Grid::parse(vary)?;
     if grid.len() > MAX_POINTS {
         let text = format!("the map has {} points; at most {MAX_POINTS} are permitted", grid.len());
-        return Err(Refusal::Input(text));
+        return Err(Refusal::input(text));
     }
-    let outputs = Answers::select(Some(&texts("columns")?));
-    let outputs = outputs.map_err(|error| Refusal::Input(error.to_string()))?;
+    let outputs = Answers::select(Some(columns));
+    let outputs = outputs.map_err(|error| Refusal::input(error.to_string()))?;
     let task = Task::over_grid(case.clone(), *settings, outputs, None, &grid)?;
     let mut source = GridSource::new(grid.clone());
     let named = source.columns().clone();
-    let chunk = source.next(grid.len()).map_err(|error| Refusal::Input(error.to_string()))?;
-    let chunk = chunk.ok_or_else(|| Refusal::Input("the map has no points".to_owned()))?;
+    let chunk = source.next(grid.len()).map_err(|error| Refusal::input(error.to_string()))?;
+    let chunk = chunk.ok_or_else(|| Refusal::input("the map has no points"))?;
     let mut answers = Answers::allocate(grid.len(), task.outputs.len());
     let room = Buffers {
         verdicts: &mut answers.verdicts,

@@ -146,7 +146,7 @@ impl Server {
             let (stream, shared) = (Arc::new(stream), Arc::clone(&self.shared));
             let served = Arc::clone(&stream);
             if let Err(error) = thread::Builder::new().spawn(move || shared.serve(&served)) {
-                let reply = refused(503, &Refusal::Thread(error).to_string());
+                let reply = refused(503, &Refusal::Thread(error).to_json());
                 respond(Connection::new(&stream), &reply, Instant::now());
             }
         }
@@ -163,9 +163,11 @@ impl Server {
 /// A response: status, content type and body.
 type Reply = (u16, &'static str, String);
 
-/// Returns a rejection as JSON, in the form that the page expects for errors.
-fn refused(status: u16, text: &str) -> Reply {
-    (status, "application/json", json!({ "error": text }).to_string())
+/// Returns the response to a refused request.
+///
+/// * `refusal`: JSON object in the form of [`Refusal::to_json`].
+fn refused(status: u16, refusal: &Value) -> Reply {
+    (status, "application/json", refusal.to_string())
 }
 
 /// Sends a response and closes the connection.
@@ -191,7 +193,7 @@ impl ServerState {
         let began = Instant::now();
         let reply = head
             .and_then(|head| self.reply(&head, &mut connection))
-            .unwrap_or_else(|(status, text)| refused(status, &text));
+            .unwrap_or_else(|(status, text)| refused(status, &Refusal::input(text).to_json()));
         respond(connection, &reply, began);
     }
 
@@ -248,12 +250,12 @@ impl ServerState {
             Ok(answer) => (200, "application/json", answer.to_string()),
             Err(refusal) => {
                 let status = match refusal {
-                    Refusal::Input(_) => 400,
+                    Refusal::Input { .. } => 400,
                     Refusal::Route(_) => 404,
                     Refusal::Superseded => 409,
                     Refusal::Slow(_) | Refusal::Busy | Refusal::Thread(_) => 503,
                 };
-                refused(status, &refusal.to_string())
+                refused(status, &refusal.to_json())
             }
         }
     }
@@ -282,9 +284,9 @@ impl ServerState {
                 stop.store(true, Ordering::Relaxed);
                 Err(Refusal::Slow(patience.as_secs()))
             }
-            Err(RecvTimeoutError::Disconnected) => Err(Refusal::Input(
-                "the solver ended unexpectedly; please report this case".to_owned(),
-            )),
+            Err(RecvTimeoutError::Disconnected) => {
+                Err(Refusal::input("the solver ended unexpectedly; please report this case"))
+            }
         }
     }
 
@@ -292,14 +294,14 @@ impl ServerState {
     fn save(&self, body: &[u8]) -> Result<Value, Refusal> {
         let Some(save) = &self.save else {
             let text = "cannot save the case, because bsm view was started without -o CASE.json";
-            return Err(Refusal::Input(text.to_owned()));
+            return Err(Refusal::input(text));
         };
         let Request { case, settings, .. } = Request::read(body)?;
         // A case is saved only if the program accepts its inputs, so that the saved file can be
         // opened again.
         case.with_groove()?.problem(&settings)?;
         let text = serde_json::to_string_pretty(&case.to_json()).unwrap_or_default() + "\n";
-        save(&text).map_err(Refusal::Input)?;
+        save(&text).map_err(Refusal::input)?;
         Ok(json!({ "saved": true }))
     }
 }

@@ -127,10 +127,13 @@ fn invalid_requests_return_the_messages_of_the_command_line() {
     bad["case"]["ball_diameter_mm"] = json!(-3.5);
     let mut unknown = example_request();
     unknown["case"]["ball_diametre_mm"] = json!(6.0);
-    let mut model = example_request();
-    model["settings"] = json!({ "name": "elastisch" });
-    let mut setting = example_request();
-    setting["settings"] = json!({ "model": "rigid" });
+    let with = |member: &str, value: Value| {
+        let mut request = example_request();
+        request[member] = value;
+        request
+    };
+    let model = with("settings", json!({ "name": "elastisch" }));
+    let setting = with("settings", json!({ "model": "rigid" }));
     let large = json!({ "case": { "description": "x".repeat(1 << 20) } });
     let many = {
         let mut many = example_request();
@@ -144,6 +147,10 @@ fn invalid_requests_return_the_messages_of_the_command_line() {
         ("solve", &model, 400, "elastisch"),
         ("solve", &setting, 400, "`model` is not a setting; the settings are name, tolerance"),
         ("solve", &json!({}), 400, "case is missing"),
+        ("solve", &json!({ "case": 1 }), 400, "`case` must be an object"),
+        ("solve", &with("parts", json!("no")), 400, "parts: invalid type"),
+        ("solve", &with("bands", json!(true)), 400, "unknown field `bands`"),
+        ("sweep", &example_request(), 400, "vary is missing"),
         ("solve", &json!([1]), 400, "list"),
         ("elsewhere", &example_request(), 404, "unknown route `elsewhere`"),
         ("solve", &large, 413, "1048576 bytes"),
@@ -154,6 +161,11 @@ fn invalid_requests_return_the_messages_of_the_command_line() {
         let text = answer["error"].as_str().expect("words");
         assert!(found == status && text.contains(words), "{route}: {found} {text}");
     }
+    // The page marks the field of the invalid input.
+    for (request, key) in [(&bad, json!("ball_diameter_mm")), (&setting, json!("model"))] {
+        assert_eq!(served.post("solve", request).1["key"], key);
+    }
+    assert_eq!(served.post("solve", &json!({})).1["key"], Value::Null);
     let (status, answer) = served.send(&served.head("POST /solve"), "{\"case\": {");
     assert!(status == 400 && answer.contains("is not valid JSON"), "{status} {answer}");
 }

@@ -6,10 +6,13 @@ use std::time::Instant;
 use bsm_design::FEW_DRAWS;
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::answers::schema::RecordJson;
-use crate::vocabulary::members::{Cells, Label, Rows, Sentences, answer, row};
+use crate::case::problem::has_lubricant;
+use crate::vocabulary::error::{NO_LUBRICANT, list};
+use crate::vocabulary::members::{Cells, Data, Label, Rows, Sentences, answer, row};
 use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, Record};
 
 /// Number of timed solver runs per model. The shortest time is reported.
@@ -33,11 +36,21 @@ answer! {
     }
 }
 
+/// A model that is not compared.
+#[derive(Serialize, JsonSchema)]
+pub(crate) struct LeftOut {
+    /// Name of the model.
+    model: &'static str,
+    /// Reason why the model is omitted, without its name.
+    reason: String,
+}
+
 answer! {
     /// Models that are not compared.
     pub(crate) struct ModelsLeftOut {
-        /// Reasons why some models are omitted.
-        left_out: Sentences;
+        /// Models that are omitted, each with the reason.
+        left_out: Data<Vec<LeftOut>>;
+        [skip] shown_reasons: Sentences;
     }
 }
 
@@ -102,11 +115,15 @@ pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
 fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
     case.check()?;
     let mut work = ModelWorkspace::default();
-    let (mut answers, mut left_out) = (Vec::new(), Vec::new());
+    let (mut answers, mut left_out, mut shown_reasons) = (Vec::new(), Vec::new(), Vec::new());
     for model in Model::ALL {
         match case.choose(ModelChoice::Fixed(model)) {
             Ok(_) => answers.push(timed(case, model, repeats, &mut work)?),
-            Err(error) => left_out.push(error.to_string()),
+            Err(error) => {
+                shown_reasons.push(error.to_string());
+                let reason = reason_without_model(case, model, error);
+                left_out.push(LeftOut { model: model.name(), reason });
+            }
         }
     }
     if answers.is_empty() {
@@ -142,7 +159,29 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
         let why = record.message().map(str::to_owned);
         answer = answer.with_shown(Content::Text(record.model().name(), why));
     }
-    Ok(answer.with_members(ModelsLeftOut { left_out: Sentences("not compared", left_out) }))
+    Ok(answer.with_members(ModelsLeftOut {
+        left_out: Data(left_out),
+        shown_reasons: Sentences("not compared", shown_reasons),
+    }))
+}
+
+/// Converts the error of [`Case::choose`] for a model to a text that does not name the model, so
+/// that the text is the same for all models with the same limitation.
+fn reason_without_model(case: &Case, model: Model, error: CaseError) -> String {
+    let given = case.stated();
+    if given.is_lubricated() && !has_lubricant(model) {
+        return NO_LUBRICANT.to_owned();
+    }
+    let missing = case.missing(model);
+    if !missing.is_empty() {
+        return format!("{} required{}", list(&missing), given.purpose(""));
+    }
+    match error {
+        CaseError::OutOfRange { key, value, rule, .. } => {
+            CaseError::out_of_range(key, value, rule).to_string()
+        }
+        error => error.to_string(),
+    }
 }
 
 /// Returns the answer of a model and the time of one solver run \[µs\]. If the number of timed runs

@@ -118,6 +118,10 @@ impl NameKind {
     }
 }
 
+/// Predicate of the message about a model that supports only a friction coefficient.
+pub(crate) const NO_LUBRICANT: &str = "does not support a lubricant, but models raceway-control and traction do; otherwise, set \
+    friction_coefficient to the equivalent_friction_coefficient of their result";
+
 impl CaseError {
     /// Creates the error for a result outside the range of double precision.
     pub(crate) fn beyond_double(output: &str) -> Self {
@@ -128,11 +132,7 @@ impl CaseError {
 
     /// Creates the error for a model that supports only a friction coefficient.
     pub(crate) fn no_lubricant(model: Model) -> Self {
-        let model = model.name();
-        Self::Invalid(format!(
-            "model {model} does not support a lubricant, but models raceway-control and traction do; otherwise, set \
-             friction_coefficient to the equivalent_friction_coefficient of their result"
-        ))
+        Self::Invalid(format!("model {} {NO_LUBRICANT}", model.name()))
     }
 
     /// Creates the error for a number outside its permitted range.

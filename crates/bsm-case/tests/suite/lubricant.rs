@@ -4,7 +4,7 @@
 use approx::assert_relative_eq;
 use bsm_case::{
     Calibration, Case, FittedInput, NutProblem, NutReport, Record, Sensitivities, Settings,
-    TableFormat, output, torque_parts,
+    TableFormat, comparison, output, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::Value;
@@ -26,6 +26,18 @@ fn solved(case: &Case, model: Model) -> Record {
     let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
     assert_eq!(record.status(), Status::Converged, "{:?} {:?}", case.description, record.message());
     record
+}
+
+/// All models that support no lubricant are omitted for the same reason, which names no model.
+#[test]
+fn model_comparison_omits_models_without_lubricant_for_the_same_reason() {
+    let answer = comparison(&oiled_case(&[])).expect("models").to_json();
+    let left_out = answer["left_out"].as_array().expect("a list");
+    let names: Vec<_> = left_out.iter().map(|row| row["model"].as_str()).collect();
+    assert_eq!(names, ["closed-form", "quasi-static", "rigid", "elastic"].map(Some));
+    let reason = left_out[0]["reason"].as_str().expect("a reason");
+    assert!(reason.starts_with("does not support a lubricant"), "{reason}");
+    assert!(left_out.iter().all(|row| row["reason"] == reason), "{left_out:?}");
 }
 
 /// The results of the 11 cases agree with an independent solution within its tolerances. In one
