@@ -1,9 +1,7 @@
 // Comparison of cases: the inputs that differ, and the results of each case.
 
 import { html, shown, shownUnit, unitOf } from "bsm/draw";
-import { start } from "bsm/source";
-
-const LABEL = new Map(start.schema.inputs.map(({ name, label, unit }) => [name, [label, unit]]));
+import { INPUT } from "bsm/source";
 
 export class Comparison {
   /** `edit` is called with the case to show, and `changed` is called when the list of kept cases changes. */
@@ -48,7 +46,7 @@ export class Comparison {
       html("td", { class: "faint" }, unitOf(unit)), values.map((value) => html("td", { class: kind }, value)));
     /** Creates the table row of an input, in its display unit. */
     const given = (name) => {
-      const [label, unit] = LABEL.get(name) ?? [name.replaceAll("_", " "), ""];
+      const { label, unit } = INPUT.get(name) ?? { label: name.replaceAll("_", " "), unit: "" };
       const value = (own) => { const other = shown(own, unit); return other === own ? own : Number(other.toPrecision(6)); };
       return line(label, shownUnit(unit), columns.map(({ case: entries }) => written(value(entries[name]))));
     };

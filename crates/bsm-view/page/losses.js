@@ -1,11 +1,10 @@
 // The components of the power loss.
 
 import { html, svg, text, picture, number, numberOf, interval, brief, none, legend, narrow } from "bsm/draw";
+import { OUTPUT } from "bsm/source";
 
-const OILED = [["sliding_power_W", "sliding at the contacts", "--c1"],
-  ["rolling_power_W", "rolling resistance", "--c3"], ["seal_power_W", "seals", "--c5"],
-  ["ball_contact_power_W", "ball-to-ball contact", "--c4"], ["return_power_W", "ball returns", "--c2"],
-  ["drag_power_W", "drag in the oil", "--c6"]];
+const OILED = [["sliding_power_W", "--c1"], ["rolling_power_W", "--c3"], ["seal_power_W", "--c5"], ["ball_contact_power_W", "--c4"],
+  ["return_power_W", "--c2"], ["drag_power_W", "--c6"]];
 const DRY = [["center", "sliding of the contact center"], ["spin", "spin"], ["curvature", "curvature of the contact surface"]];
 const CONTACTS = [["nut", "--c1"], ["screw", "--c2"], ["far flank", "--c4", "unloaded_flank"]];
 
@@ -16,7 +15,7 @@ export function showLosses(host, result, slip) {
     : "There is no solution, so there are no losses to show.")); return; }
   let rows;
   const endsOf = (answer, name) => answer.groove_estimate?.intervals?.[name];
-  if (result.sliding_power_W != null) rows = OILED.map(([name, words, paint]) => [words, result[name] ?? 0, paint, endsOf(result, name)])
+  if (result.sliding_power_W != null) rows = OILED.map(([name, paint]) => [OUTPUT.get(name).label, result[name] ?? 0, paint, endsOf(result, name)])
     .filter(([, value]) => value !== 0);
   else if (slip.error) { host.replaceChildren(html("p", {}, `${numberOf(result, "dissipated_power_W")} W in total.`), none(slip.error)); return; }
   else rows = DRY.flatMap(([name, words]) => CONTACTS.map(([contact, paint, key = contact]) => {

@@ -1,7 +1,7 @@
 // A map of any output as a function of any two inputs, with the operating point.
 
 import { html, svg, text, number, shown, shownAll, shownUnit, own, labeled, measured, brief, parsed, ramp, rampBar, scale, axes, sharp, none, path } from "bsm/draw";
-import { start } from "bsm/source";
+import { INPUT, OUTPUT, start } from "bsm/source";
 
 const PAD = { left: 66, top: 10, right: 14, bottom: 44 };
 // Numbers of points per side. A coarse map is shown first, followed by the finest map that does not exceed the time limit [ms].
@@ -60,7 +60,7 @@ export class ModelMap {
     const row = (select) => {
       const name = select.value, value = entries[name];
       if (value == null) return null;
-      const range = this.range(name, value), { label, unit } = start.schema.inputs.find((input) => input.name === name);
+      const range = this.range(name, value), { label, unit } = INPUT.get(name);
       const text = (end) => Number(shown(range[end], unit).toPrecision(6));
       const box = (end) => html("input", { type: "text", inputmode: "decimal", autocomplete: "off", value: text(end),
         style: "width:7rem", "aria-label": `${end === "low" ? "Lowest" : "Highest"} ${label}`,
@@ -128,14 +128,14 @@ export class ModelMap {
     if (!answer) return;
     const width = this.stage.clientWidth, height = Math.max(250, Math.min(400, 0.72 * width));
     const box = [PAD.left, PAD.top, width - PAD.right, height - PAD.bottom];
-    const [ax, ay] = answer.axes, output = start.schema.outputs.find(({ name }) => name === this.output.value);
+    const [ax, ay] = answer.axes, output = OUTPUT.get(this.output.value);
     const values = shownAll(answer.columns[output.name] ?? [], output.unit), nx = ax.values.length, ny = ay.values.length;
     const found = values.filter((v) => v !== null);
     const ends = ({ values }) => [values[0], values.at(-1)];
     const x = scale(ends(ax), [box[0], box[2]], ax.log), y = scale(ends(ay), [box[3], box[1]], ay.log);
     const outputWords = labeled(output.label, output.unit);
     Object.assign(this, { scales: [x, y], box, values, outputWords });
-    const canvas = html("canvas"), label = (axis) => start.schema.inputs.find(({ name }) => name === axis.name);
+    const canvas = html("canvas"), label = (axis) => INPUT.get(axis.name);
     const words = (axis) => labeled(label(axis).label, label(axis).unit);
     if (!found.length) { this.cross = null;
       this.stage.replaceChildren(none(`No point of this map has a value for: ${outputWords}.`)); this.under.replaceChildren();
@@ -262,7 +262,7 @@ export class ModelMap {
     const [ax, ay] = answer.axes, at = i * ay.values.length + j;
     this.readout.dataset.x = ax.values[i]; this.readout.dataset.y = ay.values[j];
     this.readout.dataset.value = values[at] === null ? "" : number(values[at]);
-    const words = (axis, v) => { const { label, unit } = start.schema.inputs.find(({ name }) => name === axis.name);
+    const words = (axis, v) => { const { label, unit } = INPUT.get(axis.name);
       return `${label} ${measured(v, unit)}`; };
     this.readout.replaceChildren(html("strong", {},
       `${this.outputWords}: ${values[at] === null ? answer.statuses[answer.status[at]].replace("_", " ") : number(values[at])}`),

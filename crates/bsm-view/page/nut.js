@@ -9,7 +9,7 @@ const span = (values) => { const v = values.filter(Number.isFinite); return [Mat
 
 export function showNut(host, answer) {
   if (answer instanceof Error || answer.status !== "converged") { host.replaceChildren(none(answer.message ?? "")); return; }
-  host.columns = () => ({ balls: answer.balls, curve: answer.curve });
+  host.columns = () => ({ balls: mapValues(answer.balls, ({ values }) => values), curve: mapValues(answer.curve, ({ values }) => values) });
   const [balls, curve] = [inUnits(answer.balls), inUnits(answer.curve)];
   host.replaceChildren(html("div", { class: "pair" }, sharing(balls, answer), developed(balls),
     deflection(curve, answer), train(balls, answer), html("div", { class: "warm" }),
@@ -17,14 +17,11 @@ export function showNut(host, answer) {
     html("details", {}, html("summary", {}, "Numbers of the nut"), html("div", { class: "tables" }, groups(answer.shown))));
 }
 
-/** Units of the plotted columns, by the suffix of the column name. Longer suffixes come first. */
-const UNITS = [["_N_um", "N/um"], ["_N", "N"], ["_mm", "mm"], ["_um", "um"], ["_C", "C"]];
+/** Applies a function to all values of an object. */
+const mapValues = (object, change) => Object.fromEntries(Object.entries(object).map(([name, value]) => [name, change(value)]));
 
-/** Converts columns to their display units. */
-const inUnits = (columns) => Object.fromEntries(Object.entries(columns).map(([name, values]) => {
-  const unit = UNITS.find(([end]) => name.endsWith(end))?.[1];
-  return [name, unit && Array.isArray(values) ? shownAll(values, unit) : values];
-}));
+/** Converts the values of columns to their display units. */
+const inUnits = (columns) => mapValues(columns, ({ values, unit }) => shownAll(values, unit));
 
 /** Creates the notes and warnings of an answer. */
 export const remarks = ({ notes, warnings }) => [...notes.map((note) => html("p", { class: "small faint" }, note)),
@@ -170,7 +167,7 @@ export function showWarm(host, branch, answer) {
 
 function warm(branch, answer) {
   const [width, height, box] = sizes();
-  const { screw_speed_rpm: speed, warm_preload_N: preload, stable, asked_rpm: asked } = inUnits(branch), turn = stable.indexOf(false);
+  const { screw_speed_rpm: speed, stable, asked_rpm: asked } = branch, preload = shownAll(branch.warm_preload_N, "N"), turn = stable.indexOf(false);
   const x = scale([0, Math.max(...speed, asked) * 1.05], [box[0], box[2]]), y = scale([0, Math.max(...preload, 1) * 1.06], [box[3], box[1]]);
   const line = (part, dash) => svg("path", { d: path(part.map((i) => [x(speed[i]), y(preload[i])])), fill: "none",
     stroke: "var(--c1)", "stroke-width": 2.2, "stroke-dasharray": dash });

@@ -18,9 +18,10 @@ function sizes(given, solved, nut) {
   if (!ball || !pitch || angle == null) return null;
   const lead = Math.PI * pitch * Math.tan(angle * DEG), starts = entries.starts ?? 1;
   let balls;
-  if (nut?.balls) balls = nut.balls.theta_deg.map((theta, i) =>
-    ({ theta: theta * DEG, z: nut.balls.z_mm[i], load: Math.max(nut.balls.nut_plus_N[i], nut.balls.nut_minus_N[i]) }));
-  else {
+  if (nut?.balls) {
+    const [theta, z, plus, minus] = ["theta_deg", "z_mm", "nut_plus_N", "nut_minus_N"].map((name) => nut.balls[name].values);
+    balls = theta.map((theta, i) => ({ theta: theta * DEG, z: z[i], load: Math.max(plus[i], minus[i]) }));
+  } else {
     const turn = Math.PI * pitch / Math.cos(angle * DEG), most = Math.max(1, Math.floor(turn / (1.02 * ball)));
     const count = Math.min(Math.round(entries.loaded_balls ?? 0) || most, 600), each = TURN / Math.min(most, entries.loaded_balls_per_turn ?? most);
     balls = Array.from({ length: count }, (_, i) => ({ theta: i * each, z: (i * each * lead) / TURN, load: solved.nut_normal_load_N ?? 1 }));

@@ -332,10 +332,12 @@ fn shown(answer: &Answer) -> Value {
     answer.numbers().flat_map(Numbers::rows).filter_map(row).collect()
 }
 
-/// Returns the columns of a table as an object. Missing numbers are null.
+/// Returns the columns of a table as an object. Each column has a unit and values. Missing numbers
+/// are null.
 fn columns(table: &Columns) -> Value {
     let column = |(place, head): (usize, &&Output)| {
-        (head.name.to_owned(), table.rows.iter().map(|row| row[place]).collect())
+        let values: Value = table.rows.iter().map(|row| row[place]).collect();
+        (head.name.to_owned(), json!({ "unit": head.unit, "values": values }))
     };
     Value::Object(table.heads.iter().enumerate().map(column).collect())
 }
