@@ -16,13 +16,41 @@ import { Comparison } from "bsm/comparison";
 import { download, offer } from "bsm/save";
 
 const element = (id) => document.getElementById(id);
-const panels = ["key", "space", "section", "ellipses", "losses", "map", "models", "nut", "axis", "beside", "numbers"];
-const space = new Space(element("space")), ellipses = new Ellipses(element("ellipses"));
+const panels = [
+  "key",
+  "space",
+  "section",
+  "ellipses",
+  "losses",
+  "map",
+  "models",
+  "nut",
+  "axis",
+  "beside",
+  "numbers",
+];
+const space = new Space(element("space"));
+const ellipses = new Ellipses(element("ellipses"));
 const inputs = new Inputs(element("inputs"), () => changed());
-const map = new ModelMap(element("map"), { moved: (values) => inputs.put(values),
+const map = new ModelMap(element("map"), {
+  moved: (values) => inputs.put(values),
   ask: (route, body, signal) => ask(route, body, requestNumber, signal),
-  again: () => { requestNumber += 1; clearTimeout(slowTimer); remember(); void updateSlowPanels(); } });
-const comparison = new Comparison(element("beside"), { edit: (entries) => load(entries), changed: () => { requestNumber += 1; clearTimeout(slowTimer); remember(); void updateSlowPanels(); } });
+  again: () => {
+    requestNumber += 1;
+    clearTimeout(slowTimer);
+    remember();
+    void updateSlowPanels();
+  },
+});
+const comparison = new Comparison(element("beside"), {
+  edit: (entries) => load(entries),
+  changed: () => {
+    requestNumber += 1;
+    clearTimeout(slowTimer);
+    remember();
+    void updateSlowPanels();
+  },
+});
 let settings = { ...start.settings };
 
 /** Selects the display units of a case for all pictures. */
@@ -34,10 +62,15 @@ const request = () => ({ case: inputs.case, settings });
 // --- Requests are sent in rounds, one round at a time. If the case changes during a round, the next round starts when the current
 // round ends. Each round first requests the numbers. The pictures follow in the next frame, and the slow panels follow when the case
 // no longer changes. Any change of the case cancels the requests for slow panels.
-let requestNumber = 0, running = false, slowTimer, slowRequests = new AbortController();
+let requestNumber = 0;
+let running = false;
+let slowTimer;
+let slowRequests = new AbortController();
 
 function changed() {
-  requestNumber += 1; slowRequests.abort(); clearTimeout(slowTimer);
+  requestNumber += 1;
+  slowRequests.abort();
+  clearTimeout(slowTimer);
   element("json").value = JSON.stringify(inputs.case, null, 2);
   title();
   remember();
@@ -49,29 +82,52 @@ function changed() {
 const attempt = (route, body, signal) => ask(route, body, requestNumber, signal).catch((error) => error);
 
 /** Waits until the next frame is drawn. A hidden page does not wait, because it draws no frames. */
-const frame = () => new Promise((then) => { const go = () => setTimeout(then); if (document.hidden) go(); else requestAnimationFrame(go); });
+const frame = () =>
+  new Promise((then) => {
+    const go = () => setTimeout(then);
+    if (document.hidden) go();
+    else requestAnimationFrame(go);
+  });
 
 /** Sends requests until the page shows the current case and settings. */
 async function updateUntilCurrent() {
   running = true;
-  let drawn = Promise.resolve(), sentNumber;
+  let drawn = Promise.resolve();
+  let sentNumber;
   while (sentNumber !== requestNumber) {
     sentNumber = requestNumber;
-    const body = structuredClone(request()), point = await attempt("point", body);
+    const body = structuredClone(request());
+    const point = await attempt("point", body);
     await drawn;
-    try { showPoint(body, point); } catch (error) { complain(error); console.error(error); }
-    drawn = frame().then(() => { if (!(point instanceof Error)) drawPoint(body, point); }).catch((error) => { complain(error); console.error(error); });
+    try {
+      showPoint(body, point);
+    } catch (error) {
+      complain(error);
+      console.error(error);
+    }
+    drawn = frame()
+      .then(() => {
+        if (!(point instanceof Error)) drawPoint(body, point);
+      })
+      .catch((error) => {
+        complain(error);
+        console.error(error);
+      });
   }
   await drawn;
   running = false;
   // If the case changed while the last picture was being drawn, a new round starts.
-  if (sentNumber !== requestNumber) void updateUntilCurrent(); else slowTimer = setTimeout(() => void updateSlowPanels(), 120);
+  if (sentNumber !== requestNumber) void updateUntilCurrent();
+  else slowTimer = setTimeout(() => void updateSlowPanels(), 120);
 }
 
 function complain(error) {
   const alert = element("alert");
   alert.hidden = !error;
-  if (!error) { inputs.blame(null); return; }
+  if (!error) {
+    inputs.blame(null);
+    return;
+  }
   const named = !(error instanceof ServerStopped) && inputs.blame(error);
   alert.textContent = error.message;
   alert.dataset.named = named;
@@ -83,7 +139,11 @@ let shown = { solved: null, nut: null };
 
 /** Shows the numbers, and the pictures that are drawn quickly. */
 function showPoint({ case: entries }, point) {
-  if (point instanceof Error) { complain(point); markStale(panels, true); return; }
+  if (point instanceof Error) {
+    complain(point);
+    markStale(panels, true);
+    return;
+  }
   const { solve: solved, slip } = point;
   complain(null);
   inUnitsOf(entries);
@@ -108,33 +168,56 @@ async function updateSlowPanels() {
   if (running) return;
   space.hold(false);
   if (!element("alert").hidden) return;
-  slowRequests.abort(); slowRequests = new AbortController();
-  const { signal } = slowRequests, body = structuredClone(request());
-  const then = (route, more, act) => attempt(route, { ...body, ...more }, signal).then((answer) => { if (!signal.aborted) act(answer); });
+  slowRequests.abort();
+  slowRequests = new AbortController();
+  const { signal } = slowRequests;
+  const body = structuredClone(request());
+  const then = (route, more, act) =>
+    attempt(route, { ...body, ...more }, signal).then((answer) => {
+      if (!signal.aborted) act(answer);
+    });
   const banded = shown.solved?.equivalent_friction_coefficient != null;
   await Promise.all([
-    then("compare", {}, (answer) => { showModels(element("models"), answer, shown.solved); markStale(["models"], false); }),
+    then("compare", {}, (answer) => {
+      showModels(element("models"), answer, shown.solved);
+      markStale(["models"], false);
+    }),
     then("nut", {}, (answer) => {
       shown.nut = answer instanceof Error ? null : answer;
-      showNut(element("nut"), answer); markStale(["nut"], false);
+      showNut(element("nut"), answer);
+      markStale(["nut"], false);
       space.show(body.case, shown.solved, shown.nut);
       if (answer.warm) void then("warm", {}, (branch) => showWarm(element("nut"), branch, answer));
     }),
     then("axis", {}, (answer) => {
       // A case without axis inputs is only a screw, although some rules of an axis apply to it.
-      element("axis").parentElement.hidden = !start.schema.inputs.some(({ group, name }) => group === "axis" && name in body.case);
-      showAxis(element("axis"), answer, () => sheet(body)); markStale(["axis"], false);
+      element("axis").parentElement.hidden = !start.schema.inputs.some(
+        ({ group, name }) => group === "axis" && name in body.case,
+      );
+      showAxis(element("axis"), answer, () => sheet(body));
+      markStale(["axis"], false);
     }),
-    comparison.solve((entries) => attempt("point", { case: entries, settings: body.settings }, signal).then((answer) => answer.solve ?? answer)),
-    banded ? then("solve", { parts: false, band: true },
-      (answer) => { if (!(answer instanceof Error)) { showKey(element("key"), answer);
-        showLosses(element("losses"), answer, null); } }) : null,
+    comparison.solve((entries) =>
+      attempt("point", { case: entries, settings: body.settings }, signal).then(
+        (answer) => answer.solve ?? answer,
+      ),
+    ),
+    banded
+      ? then("solve", { parts: false, band: true }, (answer) => {
+          if (!(answer instanceof Error)) {
+            showKey(element("key"), answer);
+            showLosses(element("losses"), answer, null);
+          }
+        })
+      : null,
   ]);
   // The map is requested last, because its calculation uses all cores.
   if (!signal.aborted) await map.show(body, signal);
   if (signal.aborted) return;
   markStale(["map"], false);
-  document.documentElement.dataset.settled = String(Number(document.documentElement.dataset.settled ?? 0) + 1);
+  document.documentElement.dataset.settled = String(
+    Number(document.documentElement.dataset.settled ?? 0) + 1,
+  );
 }
 
 /** Opens the axis sheet as a separate page. */
@@ -145,14 +228,23 @@ async function sheet(body) {
 }
 
 // --- The address contains the state of the page, so that reloading the page or opening a link restores this state.
-const state = () => ({ case: inputs.case, settings, map: map.choice(), beside: comparison.kept.map(({ case: entries }) => entries) });
+const state = () => ({
+  case: inputs.case,
+  settings,
+  map: map.choice(),
+  beside: comparison.kept.map(({ case: entries }) => entries),
+});
 let usual, remembering;
 
 function remember() {
   clearTimeout(remembering);
   remembering = setTimeout(() => {
     const words = JSON.stringify(state());
-    history.replaceState(null, "", words === usual ? location.pathname + location.search : `#${encodeURIComponent(words)}`);
+    history.replaceState(
+      null,
+      "",
+      words === usual ? location.pathname + location.search : `#${encodeURIComponent(words)}`,
+    );
   }, 150);
 }
 
@@ -160,47 +252,81 @@ function remember() {
 function recall() {
   if (location.hash.length < 2) return false;
   try {
-    const { case: entries, settings: set, map: choice, beside: cases } = JSON.parse(decodeURIComponent(location.hash.slice(1)));
+    const {
+      case: entries,
+      settings: set,
+      map: choice,
+      beside: cases,
+    } = JSON.parse(decodeURIComponent(location.hash.slice(1)));
     Object.assign(settings, set);
     head();
     comparison.take(cases.map((entries) => ({ case: entries })));
     load(entries, choice);
     return true;
-  } catch (error) { complain(new Error(`The part of the address after # is invalid: ${error.message}`)); return false; }
+  } catch (error) {
+    complain(new Error(`The part of the address after # is invalid: ${error.message}`));
+    return false;
+  }
 }
 
 // --- The page header.
 function title() {
   const words = inputs.case.description ?? "A ball screw";
-  element("title").textContent = words; document.title = `${words} – bsm`;
+  element("title").textContent = words;
+  document.title = `${words} – bsm`;
 }
 
 function head() {
-  element("model").value = settings.name; element("tolerance").value = settings.tolerance;
+  element("model").value = settings.name;
+  element("tolerance").value = settings.tolerance;
   element("tolerance-label").hidden = settings.name !== "auto";
 }
 
 element("model").append(...start.schema.models.map((name) => html("option", { value: name }, name)));
 head();
-const set = () => { head(); comparison.forget(); changed(); };
-const setModel = () => { settings.name = element("model").value; set(); };
+const set = () => {
+  head();
+  comparison.forget();
+  changed();
+};
+const setModel = () => {
+  settings.name = element("model").value;
+  set();
+};
 element("model").addEventListener("change", setModel);
-element("tolerance").addEventListener("change",
-  () => { const value = parsed(element("tolerance").value);
-    settings.tolerance = Number.isNaN(value) ? start.settings.tolerance : value; set(); });
+element("tolerance").addEventListener("change", () => {
+  const value = parsed(element("tolerance").value);
+  settings.tolerance = Number.isNaN(value) ? start.settings.tolerance : value;
+  set();
+});
 
-const say = (button, words) => { const former = button.textContent; button.textContent = words; setTimeout(() => { button.textContent = former; }, 1200); };
+const say = (button, words) => {
+  const former = button.textContent;
+  button.textContent = words;
+  setTimeout(() => {
+    button.textContent = former;
+  }, 1200);
+};
 element("copy").addEventListener("click", async () => {
-  try { await navigator.clipboard.writeText(element("json").value);
-    say(element("copy"), "Copied"); } catch { element("json").closest("details").open = true; element("json").select();
-    say(element("copy"), "Select and copy"); }
+  try {
+    await navigator.clipboard.writeText(element("json").value);
+    say(element("copy"), "Copied");
+  } catch {
+    element("json").closest("details").open = true;
+    element("json").select();
+    say(element("copy"), "Select and copy");
+  }
 });
 element("reset").addEventListener("click", () => load(start.case));
 // Saves the case to the file that the option -o specifies. Without this option, the browser downloads the case.
 element("save").addEventListener("click", async () => {
-  if (!start.save) { download("case.json", new Blob([`${element("json").value}\n`], { type: "application/json" })); return; }
+  if (!start.save) {
+    download("case.json", new Blob([`${element("json").value}\n`], { type: "application/json" }));
+    return;
+  }
   const answer = await attempt("save", request());
-  if (answer instanceof Error) complain(answer); else say(element("save"), "Saved");
+  if (answer instanceof Error) complain(answer);
+  else say(element("save"), "Saved");
 });
 
 function load(entries, choice) {
@@ -213,14 +339,24 @@ function load(entries, choice) {
 function read(words, from) {
   try {
     const entries = JSON.parse(words);
-    if (typeof entries !== "object" || entries === null || Array.isArray(entries)) throw new Error("a case must be a JSON object");
+    if (typeof entries !== "object" || entries === null || Array.isArray(entries))
+      throw new Error("a case must be a JSON object");
     load(entries);
-  } catch (error) { complain(new Error(`${from}: ${error.message}`)); }
+  } catch (error) {
+    complain(new Error(`${from}: ${error.message}`));
+  }
 }
 element("apply").addEventListener("click", () => read(element("json").value, "case"));
-element("file").addEventListener("change", async (event) => { const [file] = event.target.files;
-  if (file) read(await file.text(), file.name); event.target.value = ""; });
-for (const [kind, on] of [["dragover", true], ["dragleave", false], ["drop", false]])
+element("file").addEventListener("change", async (event) => {
+  const [file] = event.target.files;
+  if (file) read(await file.text(), file.name);
+  event.target.value = "";
+});
+for (const [kind, on] of [
+  ["dragover", true],
+  ["dragleave", false],
+  ["drop", false],
+]) {
   document.addEventListener(kind, async (event) => {
     event.preventDefault();
     document.body.classList.toggle("drop", on);
@@ -228,21 +364,31 @@ for (const [kind, on] of [["dragover", true], ["dragleave", false], ["drop", fal
     const [file] = kind === "drop" ? event.dataTransfer.files : [];
     if (file) read(await file.text(), file.name);
   });
+}
 if (innerWidth < 960) element("inputs-fold").open = false;
 element("about").textContent =
   `${start.program}. The solver runs ${served ? "on this machine" : "in this page"}, and no data leave the machine.`;
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (shown.solved) changed(); });
-let width = innerWidth, phone = narrow();
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+  if (shown.solved) changed();
+});
+let width = innerWidth;
+let phone = narrow();
 addEventListener("resize", () => {
   if (innerWidth === width) return;
-  width = innerWidth; ellipses.draw(); map.draw();
-  if (narrow() !== phone) { phone = narrow(); if (shown.solved) changed(); }
+  width = innerWidth;
+  ellipses.draw();
+  map.draw();
+  if (narrow() !== phone) {
+    phone = narrow();
+    if (shown.solved) changed();
+  }
 });
 
 for (const panel of document.querySelectorAll(".panel")) offer(panel);
 addEventListener("hashchange", () => recall());
 comparison.take(start.beside);
 inUnitsOf(start.case);
-inputs.show(start.case); map.choices(start.case);
+inputs.show(start.case);
+map.choices(start.case);
 usual = JSON.stringify(state());
 if (!recall()) load(start.case);

@@ -21,7 +21,11 @@ export class Refused extends Error {
 
 /** The server no longer answers. */
 export class ServerStopped extends Error {
-  constructor() { super("The server has ended. Start `bsm view` again and open its new address. This page still shows its last numbers."); }
+  constructor() {
+    super(
+      "The server has ended. Start `bsm view` again and open its new address. This page still shows its last numbers.",
+    );
+  }
 }
 
 /** Random id with which this page identifies itself to the server. */
@@ -30,7 +34,11 @@ const tab = served ? crypto.randomUUID() : "";
 /** Sends a request to the server. The server cancels requests from this page that have a lower `requestNumber`. */
 async function fromServer(route, body, requestNumber, signal) {
   let response;
-  const headers = { "Content-Type": "application/json", "X-Bsm-Token": start.token, "X-Bsm-Request": `${tab}/${requestNumber}` };
+  const headers = {
+    "Content-Type": "application/json",
+    "X-Bsm-Token": start.token,
+    "X-Bsm-Request": `${tab}/${requestNumber}`,
+  };
   try {
     response = await fetch(`/${route}`, { method: "POST", headers, body: JSON.stringify(body), signal });
   } catch (error) {
@@ -45,7 +53,8 @@ async function fromServer(route, body, requestNumber, signal) {
 
 /** Sends a request to the solver in this file. */
 async function fromFile(route, body, requestNumber, signal) {
-  const began = performance.now(), { answer, error, key } = JSON.parse(await solved(route, JSON.stringify(body), signal));
+  const began = performance.now();
+  const { answer, error, key } = JSON.parse(await solved(route, JSON.stringify(body), signal));
   if (error !== undefined) throw new Refused(error, key);
   // Time from the request to the answer [ms].
   if (answer) answer.took = performance.now() - began;

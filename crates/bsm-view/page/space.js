@@ -2,31 +2,60 @@
 
 import * as three from "three";
 import { OrbitControls } from "three";
-import { html, svg, picture, number, numberOf, shown, measured, labeled, brief, none, ramp, rampBar, color, path } from "bsm/draw";
+import {
+  html,
+  svg,
+  picture,
+  number,
+  numberOf,
+  shown,
+  measured,
+  labeled,
+  brief,
+  none,
+  ramp,
+  rampBar,
+  color,
+  path,
+} from "bsm/draw";
 
-const DEG = Math.PI / 180, TURN = 2 * Math.PI;
+const DEG = Math.PI / 180;
+const TURN = 2 * Math.PI;
 /** Speed of the faster of screw and nut in the animation [rev/s]. */
 const SHOWN = 0.1;
 /** Frame time above which a machine counts as slow, and pause between frames on a slow machine [ms]. */
-const QUICK = 20, PAUSE = 120;
+const QUICK = 20;
+const PAUSE = 120;
 
 /** Returns the dimensions of a case in millimeters. */
 function sizes(given, solved, nut) {
   // If the groove is estimated, the result contains the estimated inputs.
   const entries = { ...given, ...solved.inputs };
-  const ball = entries.ball_diameter_mm, pitch = entries.pitch_circle_diameter_mm, angle = solved.lead_angle_deg;
+  const ball = entries.ball_diameter_mm;
+  const pitch = entries.pitch_circle_diameter_mm;
+  const angle = solved.lead_angle_deg;
   if (!ball || !pitch || angle == null) return null;
-  const lead = Math.PI * pitch * Math.tan(angle * DEG), starts = entries.starts ?? 1;
+  const lead = Math.PI * pitch * Math.tan(angle * DEG);
+  const starts = entries.starts ?? 1;
   let balls;
   if (nut?.balls) {
-    const [theta, z, plus, minus] = ["theta_deg", "z_mm", "nut_plus_N", "nut_minus_N"].map((name) => nut.balls[name].values);
+    const [theta, z, plus, minus] = ["theta_deg", "z_mm", "nut_plus_N", "nut_minus_N"].map(
+      (name) => nut.balls[name].values,
+    );
     balls = theta.map((theta, i) => ({ theta: theta * DEG, z: z[i], load: Math.max(plus[i], minus[i]) }));
   } else {
-    const turn = Math.PI * pitch / Math.cos(angle * DEG), most = Math.max(1, Math.floor(turn / (1.02 * ball)));
-    const count = Math.min(Math.round(entries.loaded_balls ?? 0) || most, 600), each = TURN / Math.min(most, entries.loaded_balls_per_turn ?? most);
-    balls = Array.from({ length: count }, (_, i) => ({ theta: i * each, z: (i * each * lead) / TURN, load: solved.nut_normal_load_N ?? 1 }));
+    const turn = (Math.PI * pitch) / Math.cos(angle * DEG);
+    const most = Math.max(1, Math.floor(turn / (1.02 * ball)));
+    const count = Math.min(Math.round(entries.loaded_balls ?? 0) || most, 600);
+    const each = TURN / Math.min(most, entries.loaded_balls_per_turn ?? most);
+    balls = Array.from({ length: count }, (_, i) => ({
+      theta: i * each,
+      z: (i * each * lead) / TURN,
+      load: solved.nut_normal_load_N ?? 1,
+    }));
   }
-  const z = balls.map((b) => b.z), middle = (Math.min(...z) + Math.max(...z)) / 2;
+  const z = balls.map((b) => b.z);
+  const middle = (Math.min(...z) + Math.max(...z)) / 2;
   balls = balls.map((b) => ({ ...b, z: b.z - middle, helix: b.theta }));
   const half = (Math.max(...z) - Math.min(...z)) / 2;
   return { ball, pitch, lead, starts, angle: angle * DEG, balls, half, middle, section: solved.section };
@@ -34,30 +63,42 @@ function sizes(given, solved, nut) {
 
 /** Returns the radius of the groove or land as a function of the axial distance from the middle of the groove, and the position of the edge. */
 function profile({ ball, pitch, section }, member) {
-  const points = section?.[member], side = member === "nut" ? 1 : -1;
-  if (!points) { const r = 0.52 * ball;
-    return { edge: 0.5 * ball, at: (s) => pitch / 2 + side * Math.max(Math.abs(s) < r ? Math.sqrt(r * r - s * s) : 0,
-      0.14 * ball) }; }
+  const points = section?.[member];
+  const side = member === "nut" ? 1 : -1;
+  if (!points) {
+    const r = 0.52 * ball;
+    return {
+      edge: 0.5 * ball,
+      at: (s) => pitch / 2 + side * Math.max(Math.abs(s) < r ? Math.sqrt(r * r - s * s) : 0, 0.14 * ball),
+    };
+  }
   const half = points.filter(([x]) => x >= 0).sort((a, b) => a[0] - b[0]);
-  return { edge: half.at(-2)[0], at: (s) => {
-    const x = Math.abs(s);
-    let i = half.findIndex(([px]) => px >= x);
-    if (i <= 0) i = i < 0 ? half.length - 1 : 1;
-    const [[x0, y0], [x1, y1]] = [half[i - 1], half[i]];
-    return pitch / 2 + y0 + (x1 > x0 ? Math.min(Math.max((x - x0) / (x1 - x0), 0), 1) : 1) * (y1 - y0);
-  } };
+  return {
+    edge: half.at(-2)[0],
+    at: (s) => {
+      const x = Math.abs(s);
+      let i = half.findIndex(([px]) => px >= x);
+      if (i <= 0) i = i < 0 ? half.length - 1 : 1;
+      const [[x0, y0], [x1, y1]] = [half[i - 1], half[i]];
+      return pitch / 2 + y0 + (x1 > x0 ? Math.min(Math.max((x - x0) / (x1 - x0), 0), 1) : 1) * (y1 - y0);
+    },
+  };
 }
 
 /** A thread surface between two ends, made of lines along the helix. The lines are close together where the groove is steep. */
 class Thread {
   constructor({ lead, starts, middle }, { edge, at }, [low, high]) {
-    const step = lead / starts, most = Math.abs(step) / 2, deep = Math.min(edge, most);
+    const step = lead / starts;
+    const most = Math.abs(step) / 2;
+    const deep = Math.min(edge, most);
     const lines = Array.from({ length: 13 }, (_, i) => deep * Math.sin(((i - 6) * Math.PI) / 12));
     // A narrow strip next to the edge of the groove keeps the shading of the land uniform.
     const land = Math.min(deep + 0.03 * most, most);
     this.offsets = [-land, ...lines, land].map((s) => [s, at(s)]);
     Object.assign(this, { step, lead, middle, at, low, high });
-    const turns = [low, high].flatMap((z) => [0, TURN].map((theta) => (z + middle - (lead * theta) / TURN) / step));
+    const turns = [low, high].flatMap((z) =>
+      [0, TURN].map((theta) => (z + middle - (lead * theta) / TURN) / step),
+    );
     this.turns = [Math.floor(Math.min(...turns)) - 1, Math.ceil(Math.max(...turns)) + 1];
   }
 
@@ -69,30 +110,43 @@ class Thread {
 
   /** Returns the positions along the axis at an angle, with their radii. The number of positions is the same for every angle. */
   places(theta) {
-    const list = [], { low, high } = this;
-    for (let k = this.turns[0]; k <= this.turns[1]; k += 1) for (const [s, r] of this.offsets) {
-      const z = k * this.step + s - this.middle + (this.lead * theta) / TURN;
-      list.push(z < low ? [low, this.radius(theta, low)] : z > high ? [high, this.radius(theta, high)] : [z, r]);
+    const list = [];
+    const { low, high } = this;
+    for (let k = this.turns[0]; k <= this.turns[1]; k += 1) {
+      for (const [s, r] of this.offsets) {
+        const z = k * this.step + s - this.middle + (this.lead * theta) / TURN;
+        list.push(
+          z < low ? [low, this.radius(theta, low)] : z > high ? [high, this.radius(theta, high)] : [z, r],
+        );
+      }
     }
     return list;
   }
 
   surface([from, to], around) {
-    const positions = [], index = [];
+    const positions = [];
+    const index = [];
     let count = 0;
     for (let i = 0; i <= around; i += 1) {
-      const theta = from + ((to - from) * i) / around, places = this.places(theta);
+      const theta = from + ((to - from) * i) / around;
+      const places = this.places(theta);
       count = places.length;
       for (const [z, r] of places) positions.push(r * Math.cos(theta), r * Math.sin(theta), z);
     }
-    for (let i = 0; i < around; i += 1) for (let j = 0; j + 1 < count; j += 1) { const a = i * count + j, b = a + count;
-      index.push(a, b, a + 1, a + 1, b, b + 1); }
+    for (let i = 0; i < around; i += 1) {
+      for (let j = 0; j + 1 < count; j += 1) {
+        const a = i * count + j;
+        const b = a + count;
+        index.push(a, b, a + 1, a + 1, b, b + 1);
+      }
+    }
     return geometryOf(positions, index);
   }
 
   /** Creates the cut face of the nut. */
   wall(theta, outer) {
-    const positions = [], index = [];
+    const positions = [];
+    const index = [];
     this.places(theta).forEach(([z, r], j) => {
       for (const radius of [r, outer]) positions.push(radius * Math.cos(theta), radius * Math.sin(theta), z);
       if (j) index.push(2 * j - 2, 2 * j - 1, 2 * j, 2 * j, 2 * j - 1, 2 * j + 1);
@@ -102,9 +156,12 @@ class Thread {
 
   /** Creates an end face of the nut. */
   ring([from, to], outer, z) {
-    const positions = [], index = [], n = 60;
+    const positions = [];
+    const index = [];
+    const n = 60;
     for (let i = 0; i <= n; i += 1) {
-      const theta = from + ((to - from) * i) / n, r = this.radius(theta, z);
+      const theta = from + ((to - from) * i) / n;
+      const r = this.radius(theta, z);
       for (const radius of [r, outer]) positions.push(radius * Math.cos(theta), radius * Math.sin(theta), z);
       if (i < n) index.push(2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 2, 2 * i + 1, 2 * i + 3);
     }
@@ -114,38 +171,87 @@ class Thread {
 
 export class Space {
   constructor(host) {
-    this.host = host; this.one = this.held = false; this.time = 0;
+    this.host = host;
+    this.one = this.held = false;
+    this.time = 0;
     // The machine counts as slow until the time of a frame has been measured.
-    this.slow = true; this.playing = false;
-    this.whole = html("button", { type: "button", "aria-pressed": true, onclick: () => this.look(false) }, "Whole screw");
-    this.single = html("button", { type: "button", "aria-pressed": false, onclick: () => this.look(true) }, "One ball");
-    this.play = html("button", { type: "button", "aria-pressed": this.playing,
-      onclick: () => { this.playing = !this.playing; this.play.setAttribute("aria-pressed", this.playing);
-        this.loop(); } }, "Turn");
-    this.stage = html("div", { class: "stage" }); this.words = html("div");
+    this.slow = true;
+    this.playing = false;
+    this.whole = html(
+      "button",
+      { type: "button", "aria-pressed": true, onclick: () => this.look(false) },
+      "Whole screw",
+    );
+    this.single = html(
+      "button",
+      { type: "button", "aria-pressed": false, onclick: () => this.look(true) },
+      "One ball",
+    );
+    this.play = html(
+      "button",
+      {
+        type: "button",
+        "aria-pressed": this.playing,
+        onclick: () => {
+          this.playing = !this.playing;
+          this.play.setAttribute("aria-pressed", this.playing);
+          this.loop();
+        },
+      },
+      "Turn",
+    );
+    this.stage = html("div", { class: "stage" });
+    this.words = html("div");
     host.append(html("div", { class: "bar" }, this.whole, this.single, this.play), this.stage, this.words);
-    try { this.begin(); } catch { this.renderer = null; this.play.hidden = true; this.single.hidden = true; this.whole.hidden = true; }
+    try {
+      this.begin();
+    } catch {
+      this.renderer = null;
+      this.play.hidden = true;
+      this.single.hidden = true;
+      this.whole.hidden = true;
+    }
   }
 
   begin() {
     this.canvas = html("canvas", { role: "img", tabindex: "0", "aria-label": "Screw, nut and balls in 3D" });
     // The drawing buffer is kept, so that the picture can be printed.
-    this.renderer = new three.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: "low-power", preserveDrawingBuffer: true });
+    this.renderer = new three.WebGLRenderer({
+      canvas: this.canvas,
+      antialias: true,
+      alpha: true,
+      powerPreference: "low-power",
+      preserveDrawingBuffer: true,
+    });
     this.stage.append(this.canvas);
     this.world = new three.Scene();
-    this.world.add(new three.HemisphereLight(0xffffff, 0x778899, 1.9), new three.AmbientLight(0xffffff, 0.35));
-    const sun = new three.DirectionalLight(0xffffff, 2.2); sun.position.set(1, 1.6, 1.2);
+    this.world.add(
+      new three.HemisphereLight(0xffffff, 0x778899, 1.9),
+      new three.AmbientLight(0xffffff, 0.35),
+    );
+    const sun = new three.DirectionalLight(0xffffff, 2.2);
+    sun.position.set(1, 1.6, 1.2);
     this.camera = new three.PerspectiveCamera(32, 1.5, 0.1, 10000);
-    this.camera.add(sun); this.world.add(this.camera);
+    this.camera.add(sun);
+    this.world.add(this.camera);
     this.controls = new OrbitControls(this.camera, this.canvas);
-    this.controls.enablePan = false; this.controls.enableZoom = true;
-    this.controls.addEventListener("change", () => { if (!this.running) this.paint(); });
-    this.canvas.addEventListener("keydown", (event) => {
-      const turn = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
-      if (!turn) return;
-      event.preventDefault(); this.turn(...turn);
+    this.controls.enablePan = false;
+    this.controls.enableZoom = true;
+    this.controls.addEventListener("change", () => {
+      if (!this.running) this.paint();
     });
-    new IntersectionObserver(([entry]) => { this.seen = entry.isIntersecting; this.loop(); }).observe(this.canvas);
+    this.canvas.addEventListener("keydown", (event) => {
+      const turn = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[
+        event.key
+      ];
+      if (!turn) return;
+      event.preventDefault();
+      this.turn(...turn);
+    });
+    new IntersectionObserver(([entry]) => {
+      this.seen = entry.isIntersecting;
+      this.loop();
+    }).observe(this.canvas);
     new ResizeObserver(() => this.resize()).observe(this.stage);
     document.addEventListener("visibilitychange", () => this.loop());
   }
@@ -161,49 +267,87 @@ export class Space {
 
   /** Measures whether frames are fast enough to follow the sliders. The first frame, which compiles the shaders, is not measured. */
   measure() {
-    const gl = this.renderer.getContext(), began = performance.now();
+    const gl = this.renderer.getContext();
+    const began = performance.now();
     this.paint();
     // This call waits until the frame has been drawn.
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-    this.slow = performance.now() - began > QUICK; this.measured = true;
+    this.slow = performance.now() - began > QUICK;
+    this.measured = true;
     if (!this.slow && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.play.click();
   }
 
   turn(side, up) {
-    const offset = this.camera.position.clone().sub(this.controls.target), axis = new three.Vector3(0, 1, 0);
-    offset.applyAxisAngle(axis, side); offset.applyAxisAngle(new three.Vector3().crossVectors(axis, offset).normalize(), up);
-    this.camera.position.copy(this.controls.target).add(offset); this.controls.update(); this.paint();
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const axis = new three.Vector3(0, 1, 0);
+    offset.applyAxisAngle(axis, side);
+    offset.applyAxisAngle(new three.Vector3().crossVectors(axis, offset).normalize(), up);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.controls.update();
+    this.paint();
   }
 
   look(one) {
     this.one = one;
-    this.whole.setAttribute("aria-pressed", !one); this.single.setAttribute("aria-pressed", one);
-    this.key = null; this.show(...this.last);
+    this.whole.setAttribute("aria-pressed", !one);
+    this.single.setAttribute("aria-pressed", one);
+    this.key = null;
+    this.show(...this.last);
   }
 
   show(entries, solved, nut) {
     this.last = [entries, solved, nut];
     if (this.held) return;
     const found = solved && sizes(entries, solved, nut);
-    if (!found) { this.stage.hidden = true;
-      this.words.replaceChildren(none("To draw the picture, give ball_diameter_mm, pitch_circle_diameter_mm and the lead."));
-      return; }
-    this.stage.hidden = false; this.found = found; this.solved = solved;
-    const loads = found.balls.map(({ load }) => load), low = Math.min(...loads), high = Math.max(...loads);
+    if (!found) {
+      this.stage.hidden = true;
+      this.words.replaceChildren(
+        none("To draw the picture, give ball_diameter_mm, pitch_circle_diameter_mm and the lead."),
+      );
+      return;
+    }
+    this.stage.hidden = false;
+    this.found = found;
+    this.solved = solved;
+    const loads = found.balls.map(({ load }) => load);
+    const low = Math.min(...loads);
+    const high = Math.max(...loads);
     this.part = (load) => (high > low * (1 + 1e-9) + 1e-12 ? (load - low) / (high - low) : 0.6);
-    const [turned, held] = solved.speeds_rpm ?? [0, 0], fastest = Math.max(Math.abs(turned), Math.abs(held)), slow = fastest / 60 / SHOWN;
-    this.rate = { screw: slow ? (turned * TURN) / 60 / slow : TURN * SHOWN, nut: slow ? (held * TURN) / 60 / slow : 0,
+    const [turned, held] = solved.speeds_rpm ?? [0, 0];
+    const fastest = Math.max(Math.abs(turned), Math.abs(held));
+    const slow = fastest / 60 / SHOWN;
+    this.rate = {
+      screw: slow ? (turned * TURN) / 60 / slow : TURN * SHOWN,
+      nut: slow ? (held * TURN) / 60 / slow : 0,
       ball: slow && solved.ball_precession_rad_s != null ? solved.ball_precession_rad_s / slow : null,
-      omega: solved.ball_omega_t_rad_s == null || !slow ? null : ["t", "n", "b"].map((axis) => solved[`ball_omega_${axis}_rad_s`] / slow) };
+      omega:
+        solved.ball_omega_t_rad_s == null || !slow
+          ? null
+          : ["t", "n", "b"].map((axis) => solved[`ball_omega_${axis}_rad_s`] / slow),
+    };
     const words = this.describe(found, solved, low, high, slow, Boolean(nut?.balls));
-    if (!this.renderer) { this.stage.replaceChildren(drawing(found, this.part, words[0])); this.words.replaceChildren(...words.slice(1)); return; }
+    if (!this.renderer) {
+      this.stage.replaceChildren(drawing(found, this.part, words[0]));
+      this.words.replaceChildren(...words.slice(1));
+      return;
+    }
     this.canvas.setAttribute("aria-label", words[0]);
     this.words.replaceChildren(...words.slice(1));
     const shape = this.one ? 0 : { ...found, balls: found.balls.map(({ theta, z }) => [theta, z]) };
-    const key = JSON.stringify([shape, this.one &&
-      [solved.nut_contact_angle_deg, solved.screw_contact_angle_deg, this.rate.omega, solved.nut_normal_load_N],
-      matchMedia("(prefers-color-scheme: dark)").matches]);
-    if (key !== this.key) { this.key = key; this.build(); }
+    const key = JSON.stringify([
+      shape,
+      this.one && [
+        solved.nut_contact_angle_deg,
+        solved.screw_contact_angle_deg,
+        this.rate.omega,
+        solved.nut_normal_load_N,
+      ],
+      matchMedia("(prefers-color-scheme: dark)").matches,
+    ]);
+    if (key !== this.key) {
+      this.key = key;
+      this.build();
+    }
     if (!this.one) this.paintLoads();
     if (this.running) return;
     this.loop();
@@ -211,110 +355,228 @@ export class Space {
 
   describe(found, solved, low, high, slow, shared) {
     const speed = slow ? `slowed ${brief(slow)} times` : "not to scale, because the speed is missing";
-    const spin = solved.nut_spin_rad_s == null ? ""
-      : ` The spin is ${numberOf(solved, "nut_spin_rad_s")} rad/s at the nut and ${numberOf(solved, "screw_spin_rad_s")} rad/s at the screw. The orbital speed of the ball is ${number(solved.ball_precession_rad_s)} rad/s.`;
+    const spin =
+      solved.nut_spin_rad_s == null
+        ? ""
+        : ` The spin is ${numberOf(solved, "nut_spin_rad_s")} rad/s at the nut and ${numberOf(solved, "screw_spin_rad_s")} rad/s at the screw. The orbital speed of the ball is ${number(solved.ball_precession_rad_s)} rad/s.`;
     const label = `Screw with a pitch circle of ${measured(found.pitch, "mm")}, ${found.balls.length} balls of ${measured(found.ball, "mm")} and a lead of ${measured(found.lead, "mm")}; loads from ${number(shown(low, "N"))} to ${measured(high, "N")}`;
-    const balls = shared ? rampBar(shown(low, "N"), shown(high, "N"), labeled("load of a ball", "N"))
-      : html("p", { class: "small" }, found.balls.length === 1 ?
-      `The picture shows one ball under ${measured(high, "N")}.`
-      : `${found.balls.length} balls, each under ${measured(high, "N")}. To calculate the load of each ball, give loaded_balls_per_turn and loaded_turns.`);
-    const axes = this.one ? html("p", { class: "small faint" },
-      "Red: axis of rotation of the ball. Gray: tangent t of the helix, normal n toward the screw axis, binormal b. Blue: contact at the nut. Orange: contact at the screw.")
+    const balls = shared
+      ? rampBar(shown(low, "N"), shown(high, "N"), labeled("load of a ball", "N"))
+      : html(
+          "p",
+          { class: "small" },
+          found.balls.length === 1
+            ? `The picture shows one ball under ${measured(high, "N")}.`
+            : `${found.balls.length} balls, each under ${measured(high, "N")}. To calculate the load of each ball, give loaded_balls_per_turn and loaded_turns.`,
+        );
+    const axes = this.one
+      ? html(
+          "p",
+          { class: "small faint" },
+          "Red: axis of rotation of the ball. Gray: tangent t of the helix, normal n toward the screw axis, binormal b. Blue: contact at the nut. Orange: contact at the screw.",
+        )
       : null;
-    return [label, ...(this.one ? [] : [balls]),
-      html("p", { class: "small faint" }, `Motion ${speed}.${spin} Drag or use the arrow keys to look around.`),
-      ...(axes ? [axes] : [])];
+    return [
+      label,
+      ...(this.one ? [] : [balls]),
+      html(
+        "p",
+        { class: "small faint" },
+        `Motion ${speed}.${spin} Drag or use the arrow keys to look around.`,
+      ),
+      ...(axes ? [axes] : []),
+    ];
   }
 
   build() {
-    for (const child of [...this.world.children]) if (child.userData.made) { this.world.remove(child);
-      child.traverse?.((part) => { part.geometry?.dispose(); part.material?.dispose(); }); }
-    const add = (object) => { object.userData.made = true; this.world.add(object); return object; };
-    if (this.one) this.buildOne(add); else this.buildWhole(add);
+    for (const child of [...this.world.children]) {
+      if (child.userData.made) {
+        this.world.remove(child);
+        child.traverse?.((part) => {
+          part.geometry?.dispose();
+          part.material?.dispose();
+        });
+      }
+    }
+    const add = (object) => {
+      object.userData.made = true;
+      this.world.add(object);
+      return object;
+    };
+    if (this.one) this.buildOne(add);
+    else this.buildWhole(add);
     this.resize();
   }
 
-  metal(name, more = {}) { return new three.MeshStandardMaterial({ color: new three.Color(color(name)),
-    metalness: 0.35, roughness: 0.42, side: three.DoubleSide, ...more }); }
+  metal(name, more = {}) {
+    return new three.MeshStandardMaterial({
+      color: new three.Color(color(name)),
+      metalness: 0.35,
+      roughness: 0.42,
+      side: three.DoubleSide,
+      ...more,
+    });
+  }
 
   buildWhole(add) {
-    const f = this.found, steel = this.metal("steel"), reach = f.half + 0.8 * f.lead + 0.6 * f.ball, end = reach + Math.max(1.2 * f.lead, 0.6 * f.pitch);
+    const f = this.found;
+    const steel = this.metal("steel");
+    const reach = f.half + 0.8 * f.lead + 0.6 * f.ball;
+    const end = reach + Math.max(1.2 * f.lead, 0.6 * f.pitch);
     const thread = new Thread(f, profile(f, "screw"), [-end, end]);
     this.screw = add(new three.Group());
     this.screw.add(new three.Mesh(thread.surface([0, TURN], 64), steel));
-    for (const z of [-end, end]) { const cap =
-      new three.Mesh(new three.CylinderGeometry(f.pitch / 2 - 0.35 * f.ball, f.pitch / 2 - 0.35 * f.ball, 0.02, 64),
-        steel); cap.rotation.x = Math.PI / 2; cap.position.z = z; this.screw.add(cap); }
+    for (const z of [-end, end]) {
+      const cap = new three.Mesh(
+        new three.CylinderGeometry(f.pitch / 2 - 0.35 * f.ball, f.pitch / 2 - 0.35 * f.ball, 0.02, 64),
+        steel,
+      );
+      cap.rotation.x = Math.PI / 2;
+      cap.position.z = z;
+      this.screw.add(cap);
+    }
     // The nut is cut open on the side that faces the viewer.
-    const open = [0.42 * Math.PI, 1.62 * Math.PI], outer = f.pitch / 2 + 1.55 * f.ball, metal = this.metal("metal", { metalness: 0.15 });
+    const open = [0.42 * Math.PI, 1.62 * Math.PI];
+    const outer = f.pitch / 2 + 1.55 * f.ball;
+    const metal = this.metal("metal", { metalness: 0.15 });
     const inside = new Thread(f, profile(f, "nut"), [-reach, reach]);
     this.shell = add(new three.Group());
-    this.shell.add(new three.Mesh(inside.surface(open, 44), metal), new three.Mesh(tube(outer, open, reach), metal));
-    for (const theta of open) this.shell.add(new three.Mesh(inside.wall(theta, outer), this.metal("metal-edge", { metalness: 0 })));
+    this.shell.add(
+      new three.Mesh(inside.surface(open, 44), metal),
+      new three.Mesh(tube(outer, open, reach), metal),
+    );
+    for (const theta of open)
+      this.shell.add(new three.Mesh(inside.wall(theta, outer), this.metal("metal-edge", { metalness: 0 })));
     for (const z of [-reach, reach]) this.shell.add(new three.Mesh(inside.ring(open, outer, z), metal));
     const balls = f.balls;
-    this.balls = add(new three.InstancedMesh(new three.SphereGeometry(f.ball / 2,
-      ...(balls.length > 100 ? [10, 7] : [16, 11])),
-      new three.MeshStandardMaterial({ metalness: 0.1, roughness: 0.35 }), balls.length));
+    this.balls = add(
+      new three.InstancedMesh(
+        new three.SphereGeometry(f.ball / 2, ...(balls.length > 100 ? [10, 7] : [16, 11])),
+        new three.MeshStandardMaterial({ metalness: 0.1, roughness: 0.35 }),
+        balls.length,
+      ),
+    );
     const gap = balls.length > 1 ? Math.abs(balls[1].theta - balls[0].theta) : TURN / 12;
     this.gap = gap > 0 ? gap : TURN / 12;
-    const size = Math.hypot(end, outer), away = size * 2.6;
-    if (this.placed !== size) { this.camera.position.set(0.62, 0.42, 0.66).setLength(away); this.controls.target.set(0, 0, 0); this.placed = size; }
-    this.controls.minDistance = outer; this.controls.maxDistance = 12 * size; this.camera.far = 40 * size; this.camera.near = size / 200;
+    const size = Math.hypot(end, outer);
+    const away = size * 2.6;
+    if (this.placed !== size) {
+      this.camera.position.set(0.62, 0.42, 0.66).setLength(away);
+      this.controls.target.set(0, 0, 0);
+      this.placed = size;
+    }
+    this.controls.minDistance = outer;
+    this.controls.maxDistance = 12 * size;
+    this.camera.far = 40 * size;
+    this.camera.near = size / 200;
   }
 
   paintLoads() {
     const paint = new three.Color();
-    this.found.balls.forEach((ball, i) => this.balls.setColorAt(i, paint.set(`rgb(${ramp(this.part(ball.load)).join(",")})`)));
+    this.found.balls.forEach((ball, i) =>
+      this.balls.setColorAt(i, paint.set(`rgb(${ramp(this.part(ball.load)).join(",")})`)),
+    );
     this.balls.instanceColor.needsUpdate = true;
   }
 
   buildOne(add) {
-    const r = 1, omega = this.rate.omega, s = this.solved;
+    const r = 1;
+    const omega = this.rate.omega;
+    const s = this.solved;
     // Axes of the picture: t points to the left of the viewer, b points up, and n points to the right and away.
-    const frame = { t: new three.Vector3(0, 0, 1), n: new three.Vector3(0, -1, 0), b: new three.Vector3(1, 0, 0) };
-    const mix = ([t, n, b]) => frame.t.clone().multiplyScalar(t).addScaledVector(frame.n, n).addScaledVector(frame.b, b);
+    const frame = {
+      t: new three.Vector3(0, 0, 1),
+      n: new three.Vector3(0, -1, 0),
+      b: new three.Vector3(1, 0, 0),
+    };
+    const mix = ([t, n, b]) =>
+      frame.t.clone().multiplyScalar(t).addScaledVector(frame.n, n).addScaledVector(frame.b, b);
     const rod = (direction, length, paint, thick = 0.035, head = true) => {
-      const group = add(new three.Group()), material = new three.MeshStandardMaterial({ color: new three.Color(paint), roughness: 0.6 });
-      const shaft = new three.Mesh(new three.CylinderGeometry(thick, thick, length, 12), material); shaft.position.y = length / 2;
+      const group = add(new three.Group());
+      const material = new three.MeshStandardMaterial({ color: new three.Color(paint), roughness: 0.6 });
+      const shaft = new three.Mesh(new three.CylinderGeometry(thick, thick, length, 12), material);
+      shaft.position.y = length / 2;
       group.add(shaft);
-      if (head) { const tip = new three.Mesh(new three.CylinderGeometry(0, thick * 3, thick * 7, 16), material); tip.position.y = length; group.add(tip); }
+      if (head) {
+        const tip = new three.Mesh(new three.CylinderGeometry(0, thick * 3, thick * 7, 16), material);
+        tip.position.y = length;
+        group.add(tip);
+      }
       group.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), direction.clone().normalize());
       return group;
     };
     this.globe = add(new three.Group());
-    this.globe.add(new three.Mesh(new three.SphereGeometry(r, 48, 32), this.metal("steel", { transparent: true, opacity: 0.88 })));
+    this.globe.add(
+      new three.Mesh(
+        new three.SphereGeometry(r, 48, 32),
+        this.metal("steel", { transparent: true, opacity: 0.88 }),
+      ),
+    );
     // The circles on the ball make its rotation visible.
     const axis = omega && Math.hypot(...omega) > 0 ? mix(omega).normalize() : frame.b;
-    const circle = (k) => { const points = [];
-      for (let i = 0; i <= 96; i += 1) { const a = (TURN * i) / 96;
-        points.push(1.004 * Math.cos(a) * Math.cos(k), 1.004 * Math.sin(a),
-          1.004 * Math.cos(a) * Math.sin(k)); } const g = new three.BufferGeometry();
+    const circle = (k) => {
+      const points = [];
+      for (let i = 0; i <= 96; i += 1) {
+        const a = (TURN * i) / 96;
+        points.push(
+          1.004 * Math.cos(a) * Math.cos(k),
+          1.004 * Math.sin(a),
+          1.004 * Math.cos(a) * Math.sin(k),
+        );
+      }
+      const g = new three.BufferGeometry();
       g.setAttribute("position", new three.BufferAttribute(new Float32Array(points), 3));
-      return new three.Line(g, new three.LineBasicMaterial({ color: new three.Color(color("ink")) })); };
-    const lines = new three.Group(); for (let k = 0; k < 4; k += 1) lines.add(circle((k * Math.PI) / 4));
-    lines.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), axis); this.globe.add(lines);
+      return new three.Line(g, new three.LineBasicMaterial({ color: new three.Color(color("ink")) }));
+    };
+    const lines = new three.Group();
+    for (let k = 0; k < 4; k += 1) lines.add(circle((k * Math.PI) / 4));
+    lines.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), axis);
+    this.globe.add(lines);
     this.axis = axis;
-    if (omega) { rod(axis, 1.75, color("hot"), 0.045); rod(axis.clone().negate(), 1.4, color("hot"), 0.03, false); }
+    if (omega) {
+      rod(axis, 1.75, color("hot"), 0.045);
+      rod(axis.clone().negate(), 1.4, color("hot"), 0.03, false);
+    }
     for (const direction of Object.values(frame)) rod(direction, 1.5, color("faint"), 0.014);
-    for (const [name, side, paint] of [["nut", -1, "c1"], ["screw", 1, "c2"]]) {
+    for (const [name, side, paint] of [
+      ["nut", -1, "c1"],
+      ["screw", 1, "c2"],
+    ]) {
       const angle = s[`${name}_contact_angle_deg`];
       if (angle == null) continue;
       const place = mix([0, side * Math.cos(angle * DEG), side * Math.sin(angle * DEG)]);
       rod(place, 1.55, color(paint), 0.03, false);
-      const mark = add(new three.Mesh(new three.SphereGeometry(0.09, 20, 14),
-        new three.MeshStandardMaterial({ color: new three.Color(color(paint)) }))); mark.position.copy(place);
+      const mark = add(
+        new three.Mesh(
+          new three.SphereGeometry(0.09, 20, 14),
+          new three.MeshStandardMaterial({ color: new three.Color(color(paint)) }),
+        ),
+      );
+      mark.position.copy(place);
     }
-    if (this.placed !== "one") { this.camera.position.set(2.6, 1.6, 6); this.controls.target.set(0, 0, 0); this.placed = "one"; }
-    this.controls.minDistance = 2; this.controls.maxDistance = 20; this.camera.near = 0.05; this.camera.far = 100;
+    if (this.placed !== "one") {
+      this.camera.position.set(2.6, 1.6, 6);
+      this.controls.target.set(0, 0, 0);
+      this.placed = "one";
+    }
+    this.controls.minDistance = 2;
+    this.controls.maxDistance = 20;
+    this.camera.near = 0.05;
+    this.camera.far = 100;
   }
 
   resize() {
     if (!this.renderer || !this.found) return;
-    const width = this.stage.clientWidth, height = Math.round(Math.min(380, 0.72 * width));
+    const width = this.stage.clientWidth;
+    const height = Math.round(Math.min(380, 0.72 * width));
     if (!width) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2)); this.renderer.setSize(width, height, false); this.canvas.style.height = `${height}px`;
-    this.camera.aspect = width / height; this.camera.updateProjectionMatrix(); this.controls.update(); this.paint();
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    this.canvas.style.height = `${height}px`;
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.paint();
   }
 
   /** Runs the animation while it is visible. */
@@ -326,9 +588,11 @@ export class Space {
     let last = performance.now();
     const frame = (this.frame = (now) => {
       if (!this.running || this.frame !== frame) return;
-      this.time += Math.min(now - last, 300) / 1000; last = now;
+      this.time += Math.min(now - last, 300) / 1000;
+      last = now;
       this.paint();
-      if (this.slow) setTimeout(() => requestAnimationFrame(frame), PAUSE); else requestAnimationFrame(frame);
+      if (this.slow) setTimeout(() => requestAnimationFrame(frame), PAUSE);
+      else requestAnimationFrame(frame);
     });
     if (wanted) requestAnimationFrame(frame);
   }
@@ -336,14 +600,23 @@ export class Space {
   paint() {
     if (!this.found || !this.renderer || !this.key || this.held) return;
     const { time, rate, found } = this;
-    if (this.one) { if (rate.omega) this.globe.quaternion.setFromAxisAngle(this.axis, Math.hypot(...rate.omega) * time); }
-    else {
-      this.screw.rotation.z = rate.screw * time; this.shell.rotation.z = rate.nut * time;
+    if (this.one) {
+      if (rate.omega) this.globe.quaternion.setFromAxisAngle(this.axis, Math.hypot(...rate.omega) * time);
+    } else {
+      this.screw.rotation.z = rate.screw * time;
+      this.shell.rotation.z = rate.nut * time;
       // Each ball moves along the helix of the nut to the initial position of the next ball, and then starts again.
-      const run = (((((rate.ball ?? rate.screw / 2) - rate.nut) * time) % this.gap) + this.gap) % this.gap, place = new three.Matrix4();
-      found.balls.forEach((ball, i) => { const theta = ball.theta + run + rate.nut * time;
-        place.makeTranslation((found.pitch / 2) * Math.cos(theta), (found.pitch / 2) * Math.sin(theta),
-          ball.z + (found.lead * run) / TURN); this.balls.setMatrixAt(i, place); });
+      const run = (((((rate.ball ?? rate.screw / 2) - rate.nut) * time) % this.gap) + this.gap) % this.gap;
+      const place = new three.Matrix4();
+      found.balls.forEach((ball, i) => {
+        const theta = ball.theta + run + rate.nut * time;
+        place.makeTranslation(
+          (found.pitch / 2) * Math.cos(theta),
+          (found.pitch / 2) * Math.sin(theta),
+          ball.z + (found.lead * run) / TURN,
+        );
+        this.balls.setMatrixAt(i, place);
+      });
       this.balls.instanceMatrix.needsUpdate = true;
     }
     this.renderer.render(this.world, this.camera);
@@ -352,7 +625,9 @@ export class Space {
 
 /** Returns a smooth cylindrical surface around the axis. */
 function tube(radius, [from, to], reach) {
-  const positions = [], index = [], n = 44;
+  const positions = [];
+  const index = [];
+  const n = 44;
   for (let i = 0; i <= n; i += 1) {
     const theta = from + ((to - from) * i) / n;
     for (const z of [-reach, reach]) positions.push(radius * Math.cos(theta), radius * Math.sin(theta), z);
@@ -364,24 +639,55 @@ function tube(radius, [from, to], reach) {
 function geometryOf(positions, index) {
   const geometry = new three.BufferGeometry();
   geometry.setAttribute("position", new three.BufferAttribute(new Float32Array(positions), 3));
-  geometry.setIndex(index); geometry.computeVertexNormals();
+  geometry.setIndex(index);
+  geometry.computeVertexNormals();
   return geometry;
 }
 
 /** Draws a side view for browsers without WebGL. */
 function drawing(f, part, label) {
-  const width = 460, height = 260, reach = f.half + 1.6 * f.lead, k = Math.min((width - 20) / (2 * reach), (height - 20) / (f.pitch + 3 * f.ball));
-  const at = (z, y) => [width / 2 + k * z, height / 2 - k * y], core = f.pitch / 2 - 0.3 * f.ball;
-  const rod = svg("g", {}, svg("rect", { x: 4, y: height / 2 - k * core, width: width - 8, height: 2 * k * core, style: "fill:var(--steel)" }));
+  const width = 460;
+  const height = 260;
+  const reach = f.half + 1.6 * f.lead;
+  const k = Math.min((width - 20) / (2 * reach), (height - 20) / (f.pitch + 3 * f.ball));
+  const at = (z, y) => [width / 2 + k * z, height / 2 - k * y];
+  const core = f.pitch / 2 - 0.3 * f.ball;
+  const rod = svg(
+    "g",
+    {},
+    svg("rect", {
+      x: 4,
+      y: height / 2 - k * core,
+      width: width - 8,
+      height: 2 * k * core,
+      style: "fill:var(--steel)",
+    }),
+  );
   // Only complete half turns are drawn. Each half turn has an axial length of half the lead.
-  const lines = [], most = Math.floor(reach / f.lead - 0.25);
-  for (let turn = -most; turn <= most; turn += 1) { const points = [];
-    for (let a = 0; a <= 18; a += 1) { const t = Math.PI * (a / 18) - Math.PI / 2;
-      points.push(at(turn * f.lead + (f.lead * t) / TURN, core * Math.sin(t))); } lines.push(svg("path",
-        { d: path(points), fill: "none", stroke: "var(--metal-edge)", "stroke-width": 2 })); }
-  const balls = f.balls.filter(({ theta }) => Math.cos(theta) >= -0.05).map(({ theta, z, load }) =>
-    { const [x, y] = at(z, (f.pitch / 2) * Math.sin(theta));
-      return svg("circle", { cx: x, cy: y, r: (k * f.ball) / 2, fill: `rgb(${ramp(part(load)).join(" ")})`,
-        stroke: "var(--ink)", "stroke-width": 0.6 }); });
+  const lines = [];
+  const most = Math.floor(reach / f.lead - 0.25);
+  for (let turn = -most; turn <= most; turn += 1) {
+    const points = [];
+    for (let a = 0; a <= 18; a += 1) {
+      const t = Math.PI * (a / 18) - Math.PI / 2;
+      points.push(at(turn * f.lead + (f.lead * t) / TURN, core * Math.sin(t)));
+    }
+    lines.push(
+      svg("path", { d: path(points), fill: "none", stroke: "var(--metal-edge)", "stroke-width": 2 }),
+    );
+  }
+  const balls = f.balls
+    .filter(({ theta }) => Math.cos(theta) >= -0.05)
+    .map(({ theta, z, load }) => {
+      const [x, y] = at(z, (f.pitch / 2) * Math.sin(theta));
+      return svg("circle", {
+        cx: x,
+        cy: y,
+        r: (k * f.ball) / 2,
+        fill: `rgb(${ramp(part(load)).join(" ")})`,
+        stroke: "var(--ink)",
+        "stroke-width": 0.6,
+      });
+    });
   return picture(width, height, label, rod, ...lines, ...balls);
 }
