@@ -35,21 +35,11 @@ const inputs = new Inputs(element("inputs"), () => changed());
 const map = new ModelMap(element("map"), {
   moved: (values) => inputs.put(values),
   ask: (route, body, signal) => ask(route, body, requestNumber, signal),
-  again: () => {
-    requestNumber += 1;
-    clearTimeout(slowTimer);
-    remember();
-    void updateSlowPanels();
-  },
+  again: () => repeatSlowPanels(),
 });
 const comparison = new Comparison(element("beside"), {
   edit: (entries) => load(entries),
-  changed: () => {
-    requestNumber += 1;
-    clearTimeout(slowTimer);
-    remember();
-    void updateSlowPanels();
-  },
+  changed: () => repeatSlowPanels(),
 });
 let settings = { ...start.settings };
 
@@ -59,9 +49,10 @@ const inUnitsOf = (entries) => display(start.schema.display[entries.display_unit
 /** Returns the body of a request: the case and the settings. */
 const request = () => ({ case: inputs.case, settings });
 
-// --- Requests are sent in rounds, one round at a time. If the case changes during a round, the next round starts when the current
-// round ends. Each round first requests the numbers. The pictures follow in the next frame, and the slow panels follow when the case
-// no longer changes. Any change of the case cancels the requests for slow panels.
+// --- Requests are sent in rounds, one round at a time. If the case changes during a round, the next round
+// starts when the current round ends. Each round first requests the numbers. The pictures follow in the next
+// frame, and the slow panels follow when the case no longer changes. Any change of the case cancels the
+// requests for slow panels.
 let requestNumber = 0;
 let running = false;
 let slowTimer;
@@ -76,6 +67,14 @@ function changed() {
   remember();
   space.hold(true);
   if (!running) void updateUntilCurrent();
+}
+
+/** Updates the slow panels after a change that does not affect the other panels. */
+function repeatSlowPanels() {
+  requestNumber += 1;
+  clearTimeout(slowTimer);
+  remember();
+  void updateSlowPanels();
 }
 
 /** Returns the answer, or the error if the request fails. */
@@ -227,7 +226,7 @@ async function sheet(body) {
   return answer.sheet;
 }
 
-// --- The address contains the state of the page, so that reloading the page or opening a link restores this state.
+// --- The address contains the state of the page, so that reloading the page or opening a link restores it.
 const state = () => ({
   case: inputs.case,
   settings,
@@ -318,7 +317,7 @@ element("copy").addEventListener("click", async () => {
   }
 });
 element("reset").addEventListener("click", () => load(start.case));
-// Saves the case to the file that the option -o specifies. Without this option, the browser downloads the case.
+// Saves the case to the file that the option -o specifies. Without this option, the browser downloads it.
 element("save").addEventListener("click", async () => {
   if (!start.save) {
     download("case.json", new Blob([`${element("json").value}\n`], { type: "application/json" }));
@@ -366,8 +365,8 @@ for (const [kind, on] of [
   });
 }
 if (innerWidth < 960) element("inputs-fold").open = false;
-element("about").textContent =
-  `${start.program}. The solver runs ${served ? "on this machine" : "in this page"}, and no data leave the machine.`;
+const place = served ? "on this machine" : "in this page";
+element("about").textContent = `${start.program}. The solver runs ${place}, and no data leave the machine.`;
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   if (shown.solved) changed();
 });

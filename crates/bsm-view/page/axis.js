@@ -10,87 +10,25 @@ export function showAxis(host, answer, sheet) {
     host.replaceChildren(none(answer.message));
     return;
   }
-  const rules = answer.rules.filter(({ limit }) => limit != null);
-  const failed = rules.filter(({ passes }) => passes === false).length;
-  const undecided = rules.filter(({ passes }) => passes == null).length;
-  const lacking = [...new Set((answer.not_given ?? []).map(({ text }) => text))];
   const ends = answer.groove_estimate?.intervals?.rules ?? {};
-  const open = html(
-    "button",
-    {
-      type: "button",
-      onclick: () =>
-        sheet().then((page) => {
-          if (page) globalThis.open(URL.createObjectURL(new Blob([page], { type: "text/html" })), "_blank");
-        }),
-    },
-    "Open the sheet",
-  );
-  const keep = html(
-    "button",
-    {
-      type: "button",
-      onclick: () =>
-        sheet().then((page) => {
-          if (page) download("sheet.html", new Blob([page], { type: "text/html" }));
-        }),
-    },
-    "Save the sheet",
-  );
-  const line = ({ rule, unit, value, must_be: must, limit, margin, passes, source, remedy }) =>
-    html(
-      "tr",
-      { class: limit != null && passes === false ? "failed" : null },
-      html(
-        "th",
-        { scope: "row" },
-        rule,
-        remedy ? html("div", { class: "small faint" }, `Remedies: ${remedy}.`) : null,
-      ),
-      html("td", { class: "number" }, `${number(value)}${interval(ends[rule])} ${unitOf(unit)}`.trim()),
-      html("td", { class: "number" }, limit == null ? "" : `${must === ">=" ? "≥" : "≤"} ${number(limit)}`),
-      html("td", { class: "number" }, margin == null ? "" : `${Number((100 / margin).toPrecision(2))} %`),
-      html(
-        "td",
-        {},
-        limit == null
-          ? "no requirement"
-          : passes == null
-            ? html("span", { class: "undecided" }, "? undecided")
-            : passes
-              ? html("span", { class: "pass" }, "✓")
-              : html("span", { class: "fail" }, "✗ FAIL"),
-      ),
-      html("td", { class: "small source" }, source),
-    );
+  const withSheet = (act) => async () => {
+    const page = await sheet();
+    if (page) act(new Blob([page], { type: "text/html" }));
+  };
+  const open = withSheet((file) => globalThis.open(URL.createObjectURL(file), "_blank"));
+  const save = withSheet((file) => download("sheet.html", file));
   host.replaceChildren(
     html(
       "div",
       { class: "bar" },
-      failed
-        ? html(
-            "strong",
-            { class: "fail" },
-            `✗ ${failed} of ${rules.length} rules fail${undecided ? `, and ${undecided} are undecided` : ""}.`,
-          )
-        : undecided
-          ? html(
-              "strong",
-              { class: "undecided" },
-              `? ${undecided} of ${rules.length} rules ${undecided > 1 ? "are" : "is"} undecided because the groove is estimated.`,
-            )
-          : html(
-              "strong",
-              { class: "pass" },
-              `✓ All ${rules.length} rules pass${lacking.length ? ` for the given inputs; ${lacking.join("; ")}` : ""}.`,
-            ),
-      open,
-      keep,
+      verdict(answer),
+      html("button", { type: "button", onclick: open }, "Open the sheet"),
+      html("button", { type: "button", onclick: save }, "Save the sheet"),
     ),
     table(
       "Rules of the axis",
       ["rule", "value", "limit", "utilization", "passes", "source"],
-      answer.rules.map(line),
+      answer.rules.map((rule) => ruleRow(rule, ends[rule.rule])),
     ),
     ...remarks(answer),
     html(
@@ -100,4 +38,44 @@ export function showAxis(host, answer, sheet) {
       html("div", { class: "tables" }, groups(answer.shown)),
     ),
   );
+}
+
+/** Summarizes which rules pass. Only rules with a limit count. */
+function verdict(answer) {
+  const rules = answer.rules.filter(({ limit }) => limit != null);
+  const failed = rules.filter(({ passes }) => passes === false).length;
+  const undecided = rules.filter(({ passes }) => passes == null).length;
+  if (failed) {
+    const others = undecided ? `, and ${undecided} are undecided` : "";
+    return html("strong", { class: "fail" }, `✗ ${failed} of ${rules.length} rules fail${others}.`);
+  }
+  if (undecided) {
+    const are = undecided > 1 ? "are" : "is";
+    const words = `? ${undecided} of ${rules.length} rules ${are} undecided because the groove is estimated.`;
+    return html("strong", { class: "undecided" }, words);
+  }
+  const lacking = [...new Set((answer.not_given ?? []).map(({ text }) => text))];
+  const condition = lacking.length ? ` for the given inputs; ${lacking.join("; ")}` : "";
+  return html("strong", { class: "pass" }, `✓ All ${rules.length} rules pass${condition}.`);
+}
+
+/** Creates the table row of a rule. `ends` is the 90 % interval of its value over the possible grooves. */
+function ruleRow({ rule, unit, value, must_be: must, limit, margin, passes, source, remedy }, ends) {
+  const cell = (words) => html("td", { class: "number" }, words);
+  const remedies = remedy ? html("div", { class: "small faint" }, `Remedies: ${remedy}.`) : null;
+  return html(
+    "tr",
+    { class: limit != null && passes === false ? "failed" : null },
+    html("th", { scope: "row" }, rule, remedies),
+    cell(`${number(value)}${interval(ends)} ${unitOf(unit)}`.trim()),
+    cell(limit == null ? "" : `${must === ">=" ? "≥" : "≤"} ${number(limit)}`),
+    cell(margin == null ? "" : `${Number((100 / margin).toPrecision(2))} %`),
+    html("td", {}, limit == null ? "no requirement" : passMark(passes)),
+    html("td", { class: "small source" }, source),
+  );
+}
+
+function passMark(passes) {
+  if (passes == null) return html("span", { class: "undecided" }, "? undecided");
+  return passes ? html("span", { class: "pass" }, "✓") : html("span", { class: "fail" }, "✗ FAIL");
 }

@@ -76,74 +76,19 @@ export class Comparison {
       return;
     }
     const columns = [{ case: this.case, solved: this.solved }, ...this.kept];
-    const written = (value) =>
-      value === undefined ? "–" : typeof value === "object" ? JSON.stringify(value) : String(value);
-    const names = [...new Set(columns.flatMap(({ case: entries }) => Object.keys(entries)))].filter(
-      (name) =>
-        name !== "description" &&
-        new Set(columns.map(({ case: entries }) => written(entries[name]))).size > 1,
+    const body = html(
+      "tbody",
+      {},
+      inputRows(columns),
+      line(
+        "model",
+        "",
+        columns.map(({ solved }) => solved?.model ?? "–"),
+      ),
+      line("regime", "", columns.map(regime), "small"),
+      outputRows(columns),
     );
-    const line = (label, unit, values, kind = "number") =>
-      html(
-        "tr",
-        {},
-        html("th", { scope: "row" }, label),
-        html("td", { class: "faint" }, unitOf(unit)),
-        values.map((value) => html("td", { class: kind }, value)),
-      );
-    /** Creates the table row of an input, in its display unit. */
-    const given = (name) => {
-      const { label, unit } = INPUT.get(name) ?? { label: name.replaceAll("_", " "), unit: "" };
-      const value = (own) => {
-        const other = shown(own, unit);
-        return other === own ? own : Number(other.toPrecision(6));
-      };
-      return line(
-        label,
-        shownUnit(unit),
-        columns.map(({ case: entries }) => written(value(entries[name]))),
-      );
-    };
-    const numbers = columns.map(
-      ({ solved }) =>
-        new Map((solved?.shown?.overall ?? []).map(([label, unit, value]) => [label, [unit, value]])),
-    );
-    const labels = [...new Set(numbers.flatMap((map) => [...map.keys()]))];
-    const units = new Map(numbers.flatMap((map) => [...map].map(([label, [unit]]) => [label, unit])));
-    const head = ({ case: entries }, i) =>
-      html(
-        "th",
-        { scope: "col", class: "number" },
-        html("div", {}, i ? `kept ${i}` : "this case"),
-        html("div", { class: "small faint" }, entries.description ?? ""),
-        i
-          ? html(
-              "div",
-              {},
-              html("button", { type: "button", onclick: () => this.edit(this.kept[i - 1].case) }, "Show"),
-              html(
-                "button",
-                {
-                  type: "button",
-                  "aria-label": `Remove the kept case ${i}`,
-                  onclick: () => {
-                    this.kept.splice(i - 1, 1);
-                    this.draw();
-                    this.changed();
-                  },
-                },
-                "×",
-              ),
-            )
-          : null,
-      );
-    const status = ({ solved }) =>
-      solved
-        ? (solved.error ??
-          (solved.status === "converged"
-            ? (solved.regime ?? "")
-            : `${solved.status.replace("_", " ")}: ${solved.message}`))
-        : "…";
+    const heads = columns.map((column, place) => this.head(column, place));
     this.stage.replaceChildren(
       html(
         "div",
@@ -152,27 +97,88 @@ export class Comparison {
           "table",
           { class: "beside" },
           html("caption", {}, "Cases side by side"),
-          html("thead", {}, html("tr", {}, html("td"), html("td"), columns.map(head))),
-          html(
-            "tbody",
-            {},
-            names.map(given),
-            line(
-              "model",
-              "",
-              columns.map(({ solved }) => solved?.model ?? "–"),
-            ),
-            line("regime", "", columns.map(status), "small"),
-            labels.map((label) =>
-              line(
-                label,
-                units.get(label),
-                numbers.map((map) => map.get(label)?.[1] ?? "–"),
-              ),
-            ),
-          ),
+          html("thead", {}, html("tr", {}, html("td"), html("td"), heads)),
+          body,
         ),
       ),
     );
   }
+
+  /** Creates the head of a column. Column 0 contains the current case, and the kept cases follow. */
+  head({ case: entries }, place) {
+    const show = () => this.edit(this.kept[place - 1].case);
+    const remove = () => {
+      this.kept.splice(place - 1, 1);
+      this.draw();
+      this.changed();
+    };
+    const label = `Remove the kept case ${place}`;
+    const buttons = [
+      html("button", { type: "button", onclick: show }, "Show"),
+      html("button", { type: "button", "aria-label": label, onclick: remove }, "×"),
+    ];
+    return html(
+      "th",
+      { scope: "col", class: "number" },
+      html("div", {}, place ? `kept ${place}` : "this case"),
+      html("div", { class: "small faint" }, entries.description ?? ""),
+      place ? html("div", {}, buttons) : null,
+    );
+  }
+}
+
+/** Creates a table row with one value for each case. */
+const line = (label, unit, values, kind = "number") =>
+  html(
+    "tr",
+    {},
+    html("th", { scope: "row" }, label),
+    html("td", { class: "faint" }, unitOf(unit)),
+    values.map((value) => html("td", { class: kind }, value)),
+  );
+
+/** Formats the value of an input. */
+function written(value) {
+  if (value === undefined) return "–";
+  return typeof value === "object" ? JSON.stringify(value) : String(value);
+}
+
+/** Creates a table row for each input that differs between the cases, in its display unit. */
+function inputRows(columns) {
+  const cases = columns.map(({ case: entries }) => entries);
+  const names = [...new Set(cases.flatMap((entries) => Object.keys(entries)))];
+  const differs = (name) => new Set(cases.map((entries) => written(entries[name]))).size > 1;
+  const inputRow = (name) => {
+    const { label, unit } = INPUT.get(name) ?? { label: name.replaceAll("_", " "), unit: "" };
+    const value = (own) => {
+      const other = shown(own, unit);
+      return other === own ? own : Number(other.toPrecision(6));
+    };
+    const values = cases.map((entries) => written(value(entries[name])));
+    return line(label, shownUnit(unit), values);
+  };
+  return names.filter((name) => name !== "description" && differs(name)).map(inputRow);
+}
+
+/** Creates a table row for each result. */
+function outputRows(columns) {
+  const numbers = columns.map(({ solved }) => {
+    const rows = solved?.shown?.overall ?? [];
+    return new Map(rows.map(([label, unit, value]) => [label, { unit, value }]));
+  });
+  const labels = [...new Set(numbers.flatMap((map) => [...map.keys()]))];
+  return labels.map((label) => {
+    const cells = numbers.map((map) => map.get(label));
+    const { unit } = cells.findLast((cell) => cell);
+    const values = cells.map((cell) => cell?.value ?? "–");
+    return line(label, unit, values);
+  });
+}
+
+/** Returns the regime of a solved case, or the reason why there is no solution. */
+function regime({ solved }) {
+  if (!solved) return "…";
+  if (solved.error) return solved.error;
+  if (solved.status === "converged") return solved.regime ?? "";
+  return `${solved.status.replace("_", " ")}: ${solved.message}`;
 }

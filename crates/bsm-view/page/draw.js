@@ -17,7 +17,7 @@ export function number(value) {
   return fixed(value, Math.max(0, 4 - Math.floor(Math.log10(size))));
 }
 
-/** Formats the 90 % interval of a number over the possible grooves. Returns an empty text if there is no interval. */
+/** Formats the 90 % interval of a number over the possible grooves. Without interval, the text is empty. */
 export const interval = (ends) => (ends ? ` (${number(ends[0])} to ${number(ends[1])})` : "");
 
 /** Formats a number of an answer by name, with its 90 % interval over the possible grooves. */
@@ -33,9 +33,13 @@ export function brief(value) {
   return String(Number(value.toPrecision(4)));
 }
 
+/** Formats a fraction as a percentage with two significant digits. */
+export const percent = (fraction) => brief(Number((100 * fraction).toPrecision(2)));
+
 /**
- * Parses a number; returns NaN if the text is not a number. A comma is read as a decimal point, unless it could separate thousands.
- * The inputs are text fields, because browsers ignore a comma in a number field: 1,5 becomes 15.
+ * Parses a number; returns NaN if the text is not a number. A comma is read as a decimal point, unless it
+ * could separate thousands. The inputs are text fields, because browsers ignore a comma in a number field:
+ * 1,5 becomes 15.
  */
 export function parsed(text) {
   const plain = text.trim();
@@ -65,7 +69,7 @@ function filled(element, attributes, children) {
   return element;
 }
 
-/** Returns true if the page is as narrow as a phone. Pictures are then smaller, but their font size stays the same. */
+/** Returns true if the page is as narrow as a phone. Pictures are then smaller, with the same font size. */
 export const narrow = () => innerWidth < 520;
 
 /** Creates a picture with an alternative text. */
@@ -82,7 +86,8 @@ export function color(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
-// The color scale viridis in eleven steps. Its lightness changes evenly, so readers with color blindness can read it.
+// The color scale viridis in eleven steps. Its lightness changes evenly, so readers with color blindness can
+// read it.
 const RAMP = [
   [68, 1, 84],
   [72, 36, 117],
@@ -253,7 +258,7 @@ export const unitOf = (unit) =>
     .replace(/\bdegF\b/, "°F")
     .replace(/^C$/, "°C");
 
-/** Display units that differ from the units of the program. Each unit has a text, a factor and a zero point. */
+/** Display units that differ from the units of the program, each with a text, a factor and a zero point. */
 let displayed = {};
 
 /** Sets the display units of all pictures. */

@@ -4,20 +4,25 @@ import { html, brief, parsed } from "bsm/draw";
 import { INPUT, start } from "bsm/source";
 
 const { schema } = start;
-const STEPS = 1000;
 
-/** Returns the permitted values of an input that is not a number: the entries of a list, or true and false. */
+/** Returns the permitted values of an input that is not a number: a list of words, or true and false. */
 const choices = (name) => {
   const { enum: words, type } = schema.input.properties[name];
   return words ?? (type?.includes("boolean") ? [true, false] : null);
 };
-/** Names of the inputs with a list of possible values, or with the values true and false. They belong to the nut unless `GROUPED` lists them. */
+/**
+ * Names of the inputs with a list of possible values, or with the values true and false. They belong to the
+ * nut unless `GROUPED` lists them.
+ */
 const WORDS = Object.keys(schema.input.properties).filter((name) => !INPUT.has(name) && choices(name));
 const GROUPED = {
   lubricant: ["base_oil"],
   axis: ["support", "drag_rule"],
   "warm state": ["warm_state", "coolant"],
 };
+
+/** Number of steps of a slider. */
+const STEPS = 1000;
 
 /** Returns the range of a slider around a value, within the permitted range of the input. */
 function rangeOf(name, value) {
@@ -99,10 +104,15 @@ export class Inputs {
     const [, factor, zero] = schema.display[this.case.display_units]?.[input.unit] ?? [];
     const usual = input.units.find(([, size, from]) => size === factor && from === zero);
     if (usual && !this.units.has(name)) this.units.set(name, usual);
-    const change = () => this.units.get(name) ?? [input.unit, 1, 0];
     /** Conversions between the unit of the field and the unit of the case. */
-    const toCase = (value) => change()[1] * (value - change()[2]);
-    const fromCase = (value) => value / change()[1] + change()[2];
+    const toCase = (value) => {
+      const [, factor, zero] = this.unitOf(input);
+      return factor * (value - zero);
+    };
+    const fromCase = (value) => {
+      const [, factor, zero] = this.unitOf(input);
+      return value / factor + zero;
+    };
     const box = html("input", {
       id,
       type: "text",
@@ -124,41 +134,15 @@ export class Inputs {
       "aria-label": `${input.label}, slider`,
       oninput: () => this.set(name, this.at(range, slider.valueAsNumber / STEPS), slider),
     });
-    const unit = input.units.length
-      ? html(
-          "select",
-          {
-            "aria-label": `Unit of ${input.label}`,
-            onchange: () => {
-              const pick =
-                unit.selectedIndex === 0 ? [input.unit, 1, 0] : input.units[unit.selectedIndex - 1];
-              this.units.set(name, pick);
-              this.refresh(name);
-            },
-          },
-          html("option", {}, input.unit),
-          input.units.map(([other]) =>
-            html("option", { selected: this.units.get(name)?.[0] === other }, other.replaceAll("_", "/")),
-          ),
-        )
-      : html("span", { class: "unit" }, change()[0]);
-    const drop = html(
-      "button",
-      {
-        type: "button",
-        "aria-label": `Remove ${input.label}`,
-        title: "Remove",
-        onclick: () => this.drop(name),
-      },
-      "×",
-    );
     const ends = html("div", { class: "range" });
     const wrong = html("p", { class: "wrong", id: `${id}-wrong`, hidden: true });
-    const about = `${input.about}; ${input.rule}${input.default == null ? "" : `; default ${brief(input.default)}`}`;
+    const standard = input.default == null ? "" : `; default ${brief(input.default)}`;
+    const about = `${input.about}; ${input.rule}${standard}`;
+    const label = html("label", { for: id, title: about }, input.label);
     const element = html(
       "div",
       { class: "field", "data-name": name },
-      html("div", { class: "row" }, html("label", { for: id, title: about }, input.label), box, unit, drop),
+      html("div", { class: "row" }, label, box, this.unitPicker(input), this.dropButton(input)),
       slider,
       ends,
       wrong,
@@ -167,6 +151,40 @@ export class Inputs {
     this.fields.set(name, { element, box, slider, ends, wrong, range, fromCase });
     this.refresh(name);
     return element;
+  }
+
+  /** Returns the unit of the field of an input: its text, its factor and its zero point. */
+  unitOf({ name, unit }) {
+    return this.units.get(name) ?? [unit, 1, 0];
+  }
+
+  /** Creates the list of units of an input, or the text of its only unit. */
+  unitPicker(input) {
+    const { name, unit, units } = input;
+    if (!units.length) return html("span", { class: "unit" }, unit);
+    const select = () => {
+      this.units.set(name, picker.selectedIndex === 0 ? [unit, 1, 0] : units[picker.selectedIndex - 1]);
+      this.refresh(name);
+    };
+    const option = ([other]) =>
+      html("option", { selected: this.unitOf(input)[0] === other }, other.replaceAll("_", "/"));
+    const picker = html(
+      "select",
+      { "aria-label": `Unit of ${input.label}`, onchange: select },
+      html("option", {}, unit),
+      units.map(option),
+    );
+    return picker;
+  }
+
+  dropButton({ name, label }) {
+    const attributes = {
+      type: "button",
+      "aria-label": `Remove ${label}`,
+      title: "Remove",
+      onclick: () => this.drop(name),
+    };
+    return html("button", attributes, "×");
   }
 
   choice(name) {
@@ -220,10 +238,7 @@ export class Inputs {
       html("span", {}, range.log ? "logarithmic" : ""),
       html("span", {}, brief(fromCase(range.high))),
     );
-    slider.setAttribute(
-      "aria-valuetext",
-      `${brief(fromCase(value))} ${(this.units.get(name) ?? [INPUT.get(name).unit])[0]}`,
-    );
+    slider.setAttribute("aria-valuetext", `${brief(fromCase(value))} ${this.unitOf(INPUT.get(name))[0]}`);
   }
 
   set(name, value, from) {
@@ -262,8 +277,9 @@ export class Inputs {
   }
 
   /**
-   * Marks the field of the input that caused an error, and returns true if such a field exists. If the error does not state an input,
-   * all fields that its message names are marked. If there is no error, all marks are removed.
+   * Marks the field of the input that caused an error, and returns true if such a field exists. If the error
+   * does not state an input, all fields that its message names are marked. If there is no error, all marks
+   * are removed.
    */
   blame(error) {
     const names = new Set(error?.key ? [error.key] : error?.message.match(/[A-Za-z][A-Za-z0-9_]*/g));

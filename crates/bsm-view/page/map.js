@@ -24,13 +24,21 @@ import {
 import { INPUT, OUTPUT, start } from "bsm/source";
 
 const PAD = { left: 66, top: 10, right: 14, bottom: 44 };
-// Numbers of points per side. A coarse map is shown first, followed by the finest map that does not exceed the time limit [ms].
+/** Number of points per side of the map that is shown first. */
 const COARSE = 24;
+/** Numbers of points per side of finer maps. The finest map within the time limit replaces the coarse map. */
 const FINER = [100, 60, 40];
+/** Time limit for a finer map [ms]. */
 const PATIENCE = 1600;
+/** Colors of lines on the map, and of their outlines. */
+const LINE = "#111";
+const OUTLINE = "#fff";
 
 export class ModelMap {
-  /** `moved` is called with the values of a selected point, `ask` sends a request, and `again` is called when another map is selected. */
+  /**
+   * `moved` is called with the values of a selected point, `ask` sends a request, and `again` is called when
+   * another map is selected.
+   */
   constructor(host, { moved, ask, again }) {
     Object.assign(this, { host, moved, ask, again, ranges: {} });
     const pick = (words) => html("select", { "aria-label": words, onchange: () => this.other() });
@@ -187,7 +195,7 @@ export class ModelMap {
         const { low, high, log } = this.range(name, entries[name]);
         return `${name}=${low}:${high}:${count}${log && low > 0 ? ":log" : ""}`;
       });
-    // The map does not depend on the inputs on its axes, so moving the operating point does not change the map.
+    // The map does not depend on the inputs on its axes, so the operating point can move without a new map.
     const key = JSON.stringify([
       { ...entries, [names[0]]: null, [names[1]]: null },
       body.settings,
@@ -261,68 +269,49 @@ export class ModelMap {
     const [ax, ay] = answer.axes;
     const output = OUTPUT.get(this.output.value);
     const values = shownAll(answer.columns[output.name] ?? [], output.unit);
-    const nx = ax.values.length;
-    const ny = ay.values.length;
     const found = values.filter((v) => v !== null);
     const ends = ({ values }) => [values[0], values.at(-1)];
     const x = scale(ends(ax), [box[0], box[2]], ax.log);
     const y = scale(ends(ay), [box[3], box[1]], ay.log);
     const outputWords = labeled(output.label, output.unit);
     Object.assign(this, { scales: [x, y], box, values, outputWords });
-    const canvas = html("canvas");
-    const label = (axis) => INPUT.get(axis.name);
-    const words = (axis) => labeled(label(axis).label, label(axis).unit);
     if (!found.length) {
       this.cross = null;
       this.stage.replaceChildren(none(`No point of this map has a value for: ${outputWords}.`));
       this.under.replaceChildren();
       return;
     }
-    let low = Math.min(...found);
-    let high = Math.max(...found);
+    const range = [Math.min(...found), Math.max(...found)];
+    const [low, high] = range.map(number);
+    const [xInput, yInput] = [ax, ay].map(({ name }) => INPUT.get(name));
+    const [xWords, yWords] = [xInput, yInput].map(({ label, unit }) => labeled(label, unit));
     const overlay = svg("svg", {
       viewBox: `0 0 ${width} ${height}`,
       role: "group",
-      "aria-label": `Map of ${outputWords} as a function of ${words(ax)} and ${words(ay)}, from ${number(low)} to ${number(high)}`,
+      "aria-label": `Map of ${outputWords} as a function of ${xWords} and ${yWords}, from ${low} to ${high}`,
     });
+    const canvas = html("canvas");
     this.stage.replaceChildren(canvas, overlay);
-    const g = sharp(canvas, width, height);
-    // The colored area of each point extends halfway to its neighbors.
-    const image = new ImageData(nx, ny);
-    for (let i = 0; i < nx; i += 1) {
-      for (let j = 0; j < ny; j += 1) {
-        const v = values[i * ny + j];
-        const at = 4 * ((ny - 1 - j) * nx + i);
-        if (v === null) image.data.set([128, 128, 128, 70], at);
-        else image.data.set([...ramp((v - low) / (high - low || 1)), 255], at);
-      }
-    }
-    const small = new OffscreenCanvas(nx, ny);
-    small.getContext("2d").putImageData(image, 0, 0);
-    const cx = (box[2] - box[0]) / (nx - 1);
-    const cy = (box[3] - box[1]) / (ny - 1);
-    g.save();
-    g.beginPath();
-    g.rect(box[0], box[1], box[2] - box[0], box[3] - box[1]);
-    g.clip();
-    g.imageSmoothingEnabled = false;
-    g.drawImage(small, box[0] - cx / 2, box[1] - cy / 2, box[2] - box[0] + cx, box[3] - box[1] + cy);
-    g.restore();
-    overlay.append(
-      this.contours(values, [nx, ny], low, high, box),
-      this.borders([nx, ny], box),
-      frame(
-        ...[
-          [x, ax],
-          [y, ay],
-        ].map(([place, axis]) => shownScale(place, label(axis).unit)),
-        box,
-        words(ax),
-        words(ay),
-      ),
-    );
+    const size = [ax.values.length, ay.values.length];
+    paintColors(sharp(canvas, width, height), values, size, range, box);
+    const [shownX, shownY] = [shownScale(x, xInput.unit), shownScale(y, yInput.unit)];
     this.cross = this.crossAt();
-    overlay.append(this.cross);
+    overlay.append(
+      this.contours(values, size, ...range, box),
+      this.borders(size, box),
+      frame(shownX, shownY, box, xWords, yWords),
+      this.cross,
+    );
+    this.followPointer(overlay);
+    this.place();
+    this.under.replaceChildren(
+      rampBar(...range, outputWords),
+      html("p", { class: "small faint" }, this.summary(values)),
+    );
+  }
+
+  /** Reads values at the pointer, and moves the operating point while a button is pressed. */
+  followPointer(overlay) {
     overlay.addEventListener("pointermove", (event) => this.hover(event));
     overlay.addEventListener("pointerdown", (event) => {
       this.drag(event);
@@ -332,19 +321,17 @@ export class ModelMap {
     overlay.addEventListener("pointerup", () => {
       this.dragging = false;
     });
-    this.place();
-    const models = [...new Set(answer.model.filter((_, i) => values[i] !== null))].map(
-      (place) => answer.models[place],
-    );
-    const empty = values.length - found.length;
-    this.under.replaceChildren(
-      rampBar(low, high, outputWords),
-      html(
-        "p",
-        { class: "small faint" },
-        `${values.length} points, ${models.length > 1 ? `red lines separate the models ${models.join(", ")}` : `model ${models[0]}`}${empty ? `; gray: ${empty} points without a solution` : ""}.`,
-      ),
-    );
+  }
+
+  /** States the number of points, the models and the number of points without a solution. */
+  summary(values) {
+    const { model, models } = this.answer;
+    const names = [...new Set(model.filter((_, i) => values[i] !== null))].map((place) => models[place]);
+    const empty = values.filter((v) => v === null).length;
+    const lines =
+      names.length > 1 ? `red lines separate the models ${names.join(", ")}` : `model ${names[0]}`;
+    const gray = empty ? `; gray: ${empty} points without a solution` : "";
+    return `${values.length} points, ${lines}${gray}.`;
   }
 
   /** Draws lines of equal values with the marching squares algorithm. */
@@ -365,18 +352,10 @@ export class ModelMap {
             [i + 1, j + 1],
             [i, j + 1],
           ];
-          const v = corners.map(([a, b]) => values[a * ny + b]);
-          if (v.includes(null)) continue;
-          const cuts = [];
-          for (let e = 0; e < 4; e += 1) {
-            const a = v[e] - level;
-            const b = v[(e + 1) % 4] - level;
-            if (a < 0 !== b < 0) {
-              const t = a / (a - b);
-              const [p, q] = [at(...corners[e]), at(...corners[(e + 1) % 4])];
-              cuts.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
-            }
-          }
+          const heights = corners.map(([a, b]) => values[a * ny + b]);
+          if (heights.includes(null)) continue;
+          const places = corners.map(([a, b]) => at(a, b));
+          const cuts = cutsOf(places, heights, level);
           for (let c = 0; c + 1 < cuts.length; c += 2) d += path([cuts[c], cuts[c + 1]]);
           const middle =
             cuts[0] &&
@@ -389,8 +368,8 @@ export class ModelMap {
       }
       if (d) {
         group.append(
-          svg("path", { d, fill: "none", stroke: "#fff", "stroke-width": 2.4, opacity: 0.5 }),
-          svg("path", { d, fill: "none", stroke: "#111", "stroke-width": 0.9 }),
+          svg("path", { d, fill: "none", stroke: OUTLINE, "stroke-width": 2.4, opacity: 0.5 }),
+          svg("path", { d, fill: "none", stroke: LINE, "stroke-width": 0.9 }),
         );
       }
       if (label) {
@@ -398,7 +377,7 @@ export class ModelMap {
           text(label[0], label[1] + 3, brief(level), {
             "text-anchor": "middle",
             class: "small",
-            style: "fill:#111;paint-order:stroke;stroke:#fff;stroke-width:3px",
+            style: `fill:${LINE};paint-order:stroke;stroke:${OUTLINE};stroke-width:3px`,
           }),
         );
       }
@@ -434,7 +413,7 @@ export class ModelMap {
     return svg(
       "g",
       {},
-      svg("path", { d, stroke: "#fff", "stroke-width": 3.4, fill: "none" }),
+      svg("path", { d, stroke: OUTLINE, "stroke-width": 3.4, fill: "none" }),
       svg("path", { d, stroke: "#c2185b", "stroke-width": 1.8, fill: "none" }),
     );
   }
@@ -459,8 +438,8 @@ export class ModelMap {
       },
     });
     for (const [stroke, wide] of [
-      ["#fff", 5],
-      ["#111", 2],
+      [OUTLINE, 5],
+      [LINE, 2],
     ]) {
       cross.append(
         svg("path", { d: "M-13 0H-5M5 0H13M0 -13V-5M0 5V13", stroke, "stroke-width": wide }),
@@ -529,24 +508,64 @@ export class ModelMap {
     const at = i * ay.values.length + j;
     this.readout.dataset.x = ax.values[i];
     this.readout.dataset.y = ay.values[j];
-    this.readout.dataset.value = values[at] === null ? "" : number(values[at]);
+    const value = values[at] === null ? "" : number(values[at]);
+    this.readout.dataset.value = value;
+    const status = answer.statuses[answer.status[at]].replace("_", " ");
     const words = (axis, v) => {
       const { label, unit } = INPUT.get(axis.name);
       return `${label} ${measured(v, unit)}`;
     };
     this.readout.replaceChildren(
-      html(
-        "strong",
-        {},
-        `${this.outputWords}: ${values[at] === null ? answer.statuses[answer.status[at]].replace("_", " ") : number(values[at])}`,
-      ),
+      html("strong", {}, `${this.outputWords}: ${value || status}`),
       html("br"),
       `${words(ax, ax.values[i])}, ${words(ay, ay.values[j])}; model ${answer.models[answer.model[at]]}`,
     );
   }
 }
 
-/** Returns up to seven contour levels, rounded to three digits. About the same number of points is between any two levels. */
+/** Returns the places at which the edges of a cell cross a level. `heights` are the values at its corners. */
+function cutsOf(places, heights, level) {
+  const cuts = [];
+  for (let edge = 0; edge < 4; edge += 1) {
+    const next = (edge + 1) % 4;
+    const a = heights[edge] - level;
+    const b = heights[next] - level;
+    if (a < 0 === b < 0) continue;
+    const t = a / (a - b);
+    const [p, q] = [places[edge], places[next]];
+    cuts.push([p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1])]);
+  }
+  return cuts;
+}
+
+/** Paints the values of a map. The colored area of each point extends halfway to its neighbors. */
+function paintColors(g, values, [nx, ny], [low, high], [left, top, right, bottom]) {
+  const image = new ImageData(nx, ny);
+  for (let i = 0; i < nx; i += 1) {
+    for (let j = 0; j < ny; j += 1) {
+      const value = values[i * ny + j];
+      const at = 4 * ((ny - 1 - j) * nx + i);
+      if (value === null) image.data.set([128, 128, 128, 70], at);
+      else image.data.set([...ramp((value - low) / (high - low || 1)), 255], at);
+    }
+  }
+  const small = new OffscreenCanvas(nx, ny);
+  small.getContext("2d").putImageData(image, 0, 0);
+  const [width, height] = [right - left, bottom - top];
+  const [stepX, stepY] = [width / (nx - 1), height / (ny - 1)];
+  g.save();
+  g.beginPath();
+  g.rect(left, top, width, height);
+  g.clip();
+  g.imageSmoothingEnabled = false;
+  g.drawImage(small, left - stepX / 2, top - stepY / 2, width + stepX, height + stepY);
+  g.restore();
+}
+
+/**
+ * Returns up to seven contour levels, rounded to three digits. About the same number of points is between any
+ * two levels.
+ */
 function levels(values, low, high) {
   if (!(high > low)) return [];
   const sorted = values.filter((v) => v !== null).sort((a, b) => a - b);

@@ -18,51 +18,50 @@ export function showModels(host, answer, solved) {
     host.replaceChildren(none(answer.message));
     return;
   }
-  // 90 % intervals over the possible grooves, one object for each model.
-  const ends = answer.groove_estimate?.intervals?.models ?? [];
-  // In a saved page, no computing times are shown, because the clock of a browser is too coarse to measure them.
+  // In a saved page, no computing times are shown, because the clock of a browser is too coarse for them.
   const heads = [
+    "model",
     ...COLUMNS.map((name) => labeled(OUTPUT.get(name).label, OUTPUT.get(name).unit)),
     ...(served ? ["time, µs"] : []),
   ];
-  const cells = (model, ends) => [
-    ...COLUMNS.map((name) =>
-      model[name] == null ? "–" : measuredNumber(model[name], OUTPUT.get(name).unit, ends?.[name]),
-    ),
-    ...(served ? [model.time_us.toFixed(2)] : []),
-  ];
-  const rows = answer.models.map((model, place) =>
-    html(
-      "tr",
-      { class: model.model === solved?.model ? "here" : null },
-      html("th", { scope: "row" }, model.model),
-      model.status === "converged"
-        ? cells(model, ends[place]).map((cell) => html("td", { class: "number" }, cell))
-        : html(
-            "td",
-            { colspan: heads.length, class: "small" },
-            html("strong", {}, model.status.replace("_", " ")),
-            `: ${model.message}`,
-          ),
-    ),
-  );
-  // Models that are omitted for the same reason are listed together.
-  const modelsByReason = new Map();
-  for (const { model, reason } of answer.left_out)
-    modelsByReason.set(reason, [...(modelsByReason.get(reason) ?? []), model]);
-  const left = [...modelsByReason].map(([reason, models]) => `${models.join(", ")}: ${reason}`);
+  // 90 % intervals over the possible grooves, one object for each model.
+  const ends = answer.groove_estimate?.intervals?.models ?? [];
+  const rows = answer.models.map((model, place) => {
+    const cells =
+      model.status === "converged" ? cellsOf(model, ends[place]) : failure(model, heads.length - 1);
+    const isHere = model.model === solved?.model;
+    return html("tr", { class: isHere ? "here" : null }, html("th", { scope: "row" }, model.model), cells);
+  });
+  // The note on the groove estimate is already shown at the top of the page.
+  const notes = answer.groove_note ? answer.notes.filter((note) => note !== answer.groove_note) : [];
+  const regime = answer.regime ?? "unknown, because no model has a solution here";
   host.replaceChildren(
-    html(
-      "p",
-      {},
-      html("strong", {}, "Regime: "),
-      answer.regime ?? "unknown, because no model has a solution here",
-    ),
-    table("All models whose inputs are given", ["model", ...heads], rows),
-    left.length ? html("p", { class: "small faint" }, `Not compared: ${left.join("; ")}.`) : "",
-    // The note on the groove estimate is already shown at the top of the page.
-    ...(answer.groove_estimate ? answer.notes.filter((note) => note !== answer.groove_note) : []).map(
-      (note) => html("p", { class: "small faint" }, note),
-    ),
+    html("p", {}, html("strong", {}, "Regime: "), regime),
+    table("All models whose inputs are given", heads, rows),
+    leftOut(answer),
+    ...notes.map((note) => html("p", { class: "small faint" }, note)),
   );
+}
+
+/** Creates the cells of a model with a solution. `ends` contains the 90 % intervals by name. */
+function cellsOf(model, ends) {
+  const cells = COLUMNS.map((name) =>
+    model[name] == null ? "–" : measuredNumber(model[name], OUTPUT.get(name).unit, ends?.[name]),
+  );
+  if (served) cells.push(model.time_us.toFixed(2));
+  return cells.map((cell) => html("td", { class: "number" }, cell));
+}
+
+/** Creates the cell of a model without a solution. */
+function failure({ status, message }, columns) {
+  const name = html("strong", {}, status.replace("_", " "));
+  return html("td", { colspan: columns, class: "small" }, name, `: ${message}`);
+}
+
+/** Lists the omitted models. Models that are omitted for the same reason are listed together. */
+function leftOut(answer) {
+  const models = new Map();
+  for (const { model, reason } of answer.left_out) models.set(reason, [...(models.get(reason) ?? []), model]);
+  const words = [...models].map(([reason, names]) => `${names.join(", ")}: ${reason}`);
+  return words.length ? html("p", { class: "small faint" }, `Not compared: ${words.join("; ")}.`) : "";
 }

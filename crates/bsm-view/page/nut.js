@@ -29,11 +29,16 @@ const SIDES = [
   ["nut_plus_N", "nut, flank +", "--c1", "circle"],
   ["nut_minus_N", "nut, flank −", "--c2", "square"],
 ];
+/** Width of the numbers and the label of a vertical axis [px]. */
+const ROOM = 64;
+/** Attributes of a circle that marks a point of a curve. */
+const RING = { r: 5, fill: "none", stroke: "var(--ink)", "stroke-width": 2 };
+
 /** Returns the width and height of a chart, and the rectangle for its curves. */
 const sizes = () => {
   const width = narrow() ? 340 : 460;
   const height = 270;
-  return [width, height, [64, 12, width - 12, height - 42]];
+  return [width, height, [ROOM, 12, width - 12, height - 42]];
 };
 const span = (values) => {
   const v = values.filter(Number.isFinite);
@@ -102,6 +107,7 @@ const mark = (kind, x, y, paint) =>
     ? svg("circle", { cx: x, cy: y, r: 3.2, fill: paint })
     : svg("path", { d: `M${x - 3} ${y - 3}h6v6h-6Z`, fill: paint });
 
+/** Draws the load of each ball at its position along the axis. */
 function sharing(balls, answer) {
   const [width, height, box] = sizes();
   const sides = SIDES.filter(([name]) => balls[name].some((v) => v > 0));
@@ -109,31 +115,25 @@ function sharing(balls, answer) {
   const [first, last] = span(balls.z_mm);
   const x = scale(first === last ? [first - 1, last + 1] : [first, last], [box[0], box[2]]);
   const y = scale([0, high * 1.06], [box[3], box[1]]);
-  const dots = sides.flatMap(([name, , paint, kind]) =>
-    balls[name].map((v, i) =>
-      v > 0
-        ? svg(
-            "g",
-            {},
-            svg(
-              "title",
-              {},
-              `ball ${i + 1}: ${number(v)} ${shownUnit("N")} at ${number(balls.z_mm[i])} ${shownUnit("mm")}`,
-            ),
-            mark(kind, x(balls.z_mm[i]), y(v), `var(${paint})`),
-          )
-        : null,
-    ),
-  );
-  const words = `Load of each ball along the axis: largest ${measured(answer.max_contact_load_N, "N")}, ${number(answer.max_over_mean)} times the mean, ${answer.unloaded_balls} balls unloaded`;
+  const dot =
+    ([name, , paint, kind]) =>
+    (load, i) => {
+      if (!(load > 0)) return null;
+      const z = balls.z_mm[i];
+      const words = `ball ${i + 1}: ${number(load)} ${shownUnit("N")} at ${number(z)} ${shownUnit("mm")}`;
+      return svg("g", {}, svg("title", {}, words), mark(kind, x(z), y(load), `var(${paint})`));
+    };
+  const dots = sides.flatMap((side) => balls[side[0]].map(dot(side)));
+  const { unloaded_balls: unloaded, max_contact_load_N: most, max_over_mean: ratio } = answer;
+  const largest = `largest ${measured(most, "N")}, ${number(ratio)} times the mean`;
   return figure(
     "Load of each ball along the axis",
     picture(
       width,
       height,
-      words,
-      axes(x, y, box, labeled("position along the axis", "mm"), labeled("load", "N"), 64),
-      ...dots.filter(Boolean),
+      `Load of each ball along the axis: ${largest}, ${unloaded} balls unloaded`,
+      axes(x, y, box, labeled("position along the axis", "mm"), labeled("load", "N"), ROOM),
+      ...dots,
     ),
     legend(
       sides.map(([, words, paint, kind]) => [words, `var(${paint})`, kind === "circle" ? kind : undefined]),
@@ -141,11 +141,14 @@ function sharing(balls, answer) {
     html(
       "p",
       { class: "small" },
-      `The largest load is ${measuredOf(answer, "max_contact_load_N", "N")}, ${numberOf(answer, "max_over_mean")} times the mean. ${answer.unloaded_balls} of ${balls.z_mm.length} balls are unloaded.`,
+      `The largest load is ${measuredOf(answer, "max_contact_load_N", "N")}, `,
+      `${numberOf(answer, "max_over_mean")} times the mean. `,
+      `${unloaded} of ${balls.z_mm.length} balls are unloaded.`,
     ),
   );
 }
 
+/** Draws the balls in a developed view of the nut, colored by their loads. */
 function developed(balls) {
   const [width, height, box] = sizes();
   const load = balls.nut_plus_N.map((v, i) => Math.max(v, balls.nut_minus_N[i], 0));
@@ -157,49 +160,38 @@ function developed(balls) {
   const x = scale([0, 360], [box[0], box[2]]);
   const y = scale([first - room, last + room], [box[3], box[1]]);
   const paint = (v) => (v > 0 ? rampCss(high > low * 1.0001 ? (v - low) / (high - low) : 0.6) : "none");
-  const dots = turn.map((v, i) =>
-    svg(
-      "circle",
-      {
-        cx: x(v),
-        cy: y(balls.z_mm[i]),
-        r: 5,
-        fill: paint(load[i]),
-        stroke: "var(--ink)",
-        "stroke-width": 0.8,
-      },
-      svg("title", {}, `ball ${i + 1}: ${number(load[i])} ${shownUnit("N")}`),
-    ),
-  );
+  const unit = shownUnit("N");
+  const dots = turn.map((v, i) => {
+    const center = { cx: x(v), cy: y(balls.z_mm[i]), r: 5 };
+    const style = { fill: paint(load[i]), stroke: "var(--ink)", "stroke-width": 0.8 };
+    const words = `ball ${i + 1}: ${number(load[i])} ${unit}`;
+    return svg("circle", { ...center, ...style }, svg("title", {}, words));
+  });
+  const range = `from ${number(low)} to ${number(high)} ${unit}`;
   return figure(
     "Developed view of the balls and their loads",
     picture(
       width,
       height,
-      `Developed view of the nut with balls colored by load from ${number(low)} to ${number(high)} ${shownUnit("N")}`,
-      axes(x, y, box, "angle around the axis, °", labeled("position along the axis", "mm"), 64),
+      `Developed view of the nut with balls colored by load ${range}`,
+      axes(x, y, box, "angle around the axis, °", labeled("position along the axis", "mm"), ROOM),
       ...dots,
     ),
     rampBar(low, high, labeled("load", "N")),
   );
 }
 
-/** Draws the speeds and the advance of the balls along the helix and, if the gap is given, touching balls and their forces. */
+/**
+ * Draws the speeds and the advance of the balls along the helix and, if the gap is given, touching balls and
+ * their forces.
+ */
 function train(balls, answer) {
   // If all balls move identically, the calculated advance is only a rounding error, far below a nanometer.
   if (!(answer.needed_gap_mm > 1e-6)) return null;
+  const motion = motionOf(balls);
+  const { turns, free, moving, front, most, touches } = motion;
   const [width, , [left, top, right]] = sizes();
-  const trains = answer.circuits ?? [];
-  const rates = balls.free_rate.filter((rate) => rate != null);
-  const mean = rates.reduce((sum, rate) => sum + rate, 0) / rates.length;
-  const percent = (rate) => (rate == null ? NaN : 100 * (rate / mean - 1));
-  const turns = balls.theta_deg.map((v) => v / 360);
   const x = scale(span(turns), [left, right]);
-  const free = balls.free_rate.map(percent);
-  const moving = balls.rate.map(percent);
-  const front = balls.front_push_N.map((v) => v ?? 0);
-  const most = Math.max(...front, 0);
-  const pushed = turns.map((_, i) => front[i] > 0 || balls.back_push_N[i] > 0);
   // The diagrams are stacked, each with its own frame and with room for tick labels below.
   let from = top;
   const strip = (values, words, height, axis = "") => {
@@ -208,16 +200,8 @@ function train(balls, answer) {
     const box = [left, from, right, from + height];
     const y = scale(high > low ? [low - room, high + room] : [low - 1, low + 1], [box[3], box[1]]);
     from += height + 26;
-    return { box, y, frame: axes(x, y, box, axis, words, 64) };
+    return { box, y, frame: axes(x, y, box, axis, words, ROOM) };
   };
-  const dot = (v, i, y, attributes, words) =>
-    Number.isFinite(v)
-      ? svg(
-          "circle",
-          { cx: x(turns[i]), cy: y(v), r: 2.6, ...attributes },
-          svg("title", {}, `ball ${i + 1}: ${words}`),
-        )
-      : null;
   const speeds = strip([...free, ...moving], "speed deviation, %", 130);
   const pushes = most > 0 ? strip([0, most], labeled("force", "N"), 60) : null;
   const advances = strip(
@@ -226,88 +210,24 @@ function train(balls, answer) {
     90,
     "position along the helix, turns",
   );
-  const lines = trains.map(({ circuit, train_rate: rate }) => {
-    const places = turns.filter((_, i) => balls.circuit[i] === circuit);
-    return pushed.some((is, i) => is && balls.circuit[i] === circuit)
-      ? svg("path", {
-          class: "train",
-          fill: "none",
-          d: path(span(places).map((v) => [x(v), speeds.y(percent(rate))])),
-          stroke: "var(--c2)",
-          "stroke-width": 1.6,
-        })
-      : null;
-  });
-  // The shaded area of a ball extends halfway to each neighbor.
-  const shade = turns.map((v, i) => {
-    if (!pushed[i]) return null;
-    const ends = [i - 1, i + 1].map((n) =>
-      balls.circuit[n] === balls.circuit[i] ? x((v + turns[n]) / 2) : x(v),
-    );
-    return [speeds, pushes, advances].map(
-      (strip) =>
-        strip &&
-        svg("rect", {
-          class: "touch",
-          x: ends[0],
-          y: strip.box[1],
-          width: ends[1] - ends[0],
-          height: strip.box[3] - strip.box[1],
-          style: "fill:var(--c5)",
-          opacity: 0.25,
-        }),
-    );
-  });
-  const forces =
-    pushes &&
-    turns.map((v, i) =>
-      front[i] > 0
-        ? svg(
-            "path",
-            {
-              class: "push",
-              d: `M${x(v)} ${pushes.y(0)}V${pushes.y(front[i])}`,
-              stroke: "var(--c2)",
-              "stroke-width": 2.4,
-            },
-            svg("title", {}, `ball ${i + 1} is pushed back with ${number(front[i])} ${shownUnit("N")}`),
-          )
-        : null,
-    );
-  const dots = turns.map((_, i) => [
-    dot(
-      free[i],
-      i,
-      speeds.y,
-      { class: "free", fill: "none", stroke: "var(--c1)" },
-      `${number(free[i])} % without push forces`,
-    ),
-    pushed[i]
-      ? dot(moving[i], i, speeds.y, { class: "moving", fill: "var(--c2)" }, `${number(moving[i])} %`)
-      : null,
-    dot(
-      balls.advance_mm[i] ?? NaN,
-      i,
-      advances.y,
-      { class: "advance", fill: "var(--c1)" },
-      `${number(balls.advance_mm[i])} ${shownUnit("mm")}`,
-    ),
-  ]);
-  const [slow, fast] = span(free);
-  const touching = pushed.filter(Boolean).length;
-  const words = `Speeds of the balls without push forces, from ${number(slow)} to ${number(fast)} percent relative to their mean${
-    most > 0
-      ? `, ${touching} touching balls with forces of up to ${number(most)} ${shownUnit("N")} between them`
-      : ""
-  }`;
+  const strips = [speeds, pushes, advances].filter(Boolean);
+  const [slow, fast] = span(free).map(number);
+  const force = `${number(most)} ${shownUnit("N")}`;
+  const touching = touches.filter(Boolean).length;
+  const contact = `, ${touching} touching balls with forces of up to ${force} between them`;
+  const words = `from ${slow} to ${fast} percent relative to their mean${most > 0 ? contact : ""}`;
   return figure(
     "Speeds and advance of the balls along the helix",
     picture(
       width,
       from + 12,
-      words,
-      ...[speeds, pushes, advances].flatMap((strip) => strip?.frame ?? []),
-      ...[shade.flat(), lines, forces, dots].flat(2).filter(Boolean),
+      `Speeds of the balls without push forces, ${words}`,
+      ...strips.map((strip) => strip.frame),
+      ...strips.flatMap((strip) => shades(balls, motion, x, strip.box)),
+      ...trainSpeeds(balls, answer, motion, x, speeds.y),
+      ...(pushes ? pushForces(front, turns, x, pushes.y) : []),
+      ...speedDots(motion, x, speeds.y),
+      ...advanceDots(balls, turns, x, advances.y),
     ),
     legend([
       ["speed without push forces, relative to the mean", "var(--c1)", "circle"],
@@ -316,26 +236,128 @@ function train(balls, answer) {
             ["with push forces", "var(--c2)", "circle"],
             ["speed of touching balls", "var(--c2)", "solid"],
             ["touching balls", "color-mix(in srgb, var(--c5) 30%, transparent)"],
-            [`force of the ball in front, up to ${number(most)} ${shownUnit("N")}`, "var(--c2)"],
+            [`force of the ball in front, up to ${force}`, "var(--c2)"],
           ]
         : []),
     ]),
     html(
       "p",
       { class: "small" },
-      `No balls touch if the gaps of a circuit total at least ${measuredOf(answer, "needed_gap_mm", "mm")}.`,
+      "No balls touch if the gaps of a circuit total at least ",
+      `${measuredOf(answer, "needed_gap_mm", "mm")}.`,
     ),
   );
 }
 
+/**
+ * Returns the motion of the balls: positions along the helix [turns], speeds without and with push forces
+ * [deviation from the mean in %], the force from the ball in front and its maximum, and which balls touch.
+ */
+function motionOf(balls) {
+  const rates = balls.free_rate.filter((rate) => rate != null);
+  const mean = rates.reduce((sum, rate) => sum + rate, 0) / rates.length;
+  const deviation = (rate) => (rate == null ? NaN : 100 * (rate / mean - 1));
+  const front = balls.front_push_N.map((v) => v ?? 0);
+  return {
+    turns: balls.theta_deg.map((v) => v / 360),
+    free: balls.free_rate.map(deviation),
+    moving: balls.rate.map(deviation),
+    front,
+    most: Math.max(...front, 0),
+    touches: front.map((force, i) => force > 0 || balls.back_push_N[i] > 0),
+    deviation,
+  };
+}
+
+/** Shades the areas of touching balls. The area of a ball extends halfway to each neighbor. */
+function shades(balls, { turns, touches }, x, [, top, , bottom]) {
+  return turns.map((turn, i) => {
+    if (!touches[i]) return null;
+    const [start, end] = [i - 1, i + 1].map((n) =>
+      balls.circuit[n] === balls.circuit[i] ? x((turn + turns[n]) / 2) : x(turn),
+    );
+    return svg("rect", {
+      class: "touch",
+      x: start,
+      y: top,
+      width: end - start,
+      height: bottom - top,
+      style: "fill:var(--c5)",
+      opacity: 0.25,
+    });
+  });
+}
+
+/** Draws the common speed of the touching balls of each circuit. */
+function trainSpeeds(balls, answer, { turns, touches, deviation }, x, y) {
+  return (answer.circuits ?? []).map(({ circuit, train_rate: rate }) => {
+    const isHere = (_, i) => balls.circuit[i] === circuit;
+    if (!touches.filter(isHere).some(Boolean)) return null;
+    const ends = span(turns.filter(isHere));
+    return svg("path", {
+      class: "train",
+      fill: "none",
+      d: path(ends.map((turn) => [x(turn), y(deviation(rate))])),
+      stroke: "var(--c2)",
+      "stroke-width": 1.6,
+    });
+  });
+}
+
+function pushForces(front, turns, x, y) {
+  return turns.map((turn, i) => {
+    if (!(front[i] > 0)) return null;
+    const words = `ball ${i + 1} is pushed back with ${number(front[i])} ${shownUnit("N")}`;
+    const line = `M${x(turn)} ${y(0)}V${y(front[i])}`;
+    const attributes = { class: "push", d: line, stroke: "var(--c2)", "stroke-width": 2.4 };
+    return svg("path", attributes, svg("title", {}, words));
+  });
+}
+
+/** Draws a dot with a description, or nothing if the value is missing. */
+function dot(x, y, attributes, words) {
+  return Number.isFinite(y)
+    ? svg("circle", { cx: x, cy: y, r: 2.6, ...attributes }, svg("title", {}, words))
+    : null;
+}
+
+function speedDots({ turns, free, moving, touches }, x, y) {
+  return turns.flatMap((turn, i) => {
+    const place = x(turn);
+    const ball = `ball ${i + 1}: `;
+    const withoutPushes = `${ball}${number(free[i])} % without push forces`;
+    return [
+      dot(place, y(free[i]), { class: "free", fill: "none", stroke: "var(--c1)" }, withoutPushes),
+      touches[i]
+        ? dot(place, y(moving[i]), { class: "moving", fill: "var(--c2)" }, `${ball}${number(moving[i])} %`)
+        : null,
+    ];
+  });
+}
+
+function advanceDots(balls, turns, x, y) {
+  return turns.map((turn, i) => {
+    const advance = balls.advance_mm[i];
+    const words = `ball ${i + 1}: ${number(advance)} ${shownUnit("mm")}`;
+    return dot(x(turn), y(advance ?? NaN), { class: "advance", fill: "var(--c1)" }, words);
+  });
+}
+
+/** Draws the displacement, the stiffness and the remaining preload as functions of the load. */
 function deflection(curve, answer) {
-  const [cold, warm] = [measuredOf(answer, "cold_preload_N", "N"), measuredOf(answer, "warm_preload_N", "N")];
-  const [width, height, box] = sizes();
+  const [width, height, [left, top, outer, bottom]] = sizes();
+  // The right scale needs some room.
+  const right = outer - 52;
   const loads = curve.axial_load_N;
   const shift = curve.nut_displacement_um;
-  const x = scale([Math.min(0, ...loads), Math.max(0, ...loads)], [box[0], box[2] - 52]);
   const [low, high] = span(shift.map((v) => v ?? NaN));
-  const y = scale([Math.min(0, low), high > low ? high : low + 1], [box[3], box[1]]);
+  const [, stiffest] = span(curve.nut_stiffness_N_um.map((v) => v ?? NaN));
+  const most = Math.max(...curve.preload_left_N.map((v) => v ?? 0));
+  const up = [bottom, top];
+  const x = scale([Math.min(0, ...loads), Math.max(0, ...loads)], [left, right]);
+  const y = scale([Math.min(0, low), high > low ? high : low + 1], up);
+  const stiffness = scale([0, stiffest * 1.05], up);
+  const preload = most > 0 ? scale([0, most * 1.05], up) : null;
   const line = (values, to, paint, dash) =>
     svg("path", {
       d: path(loads.map((v, i) => [x(v), values[i] == null ? NaN : to(values[i])])),
@@ -344,89 +366,81 @@ function deflection(curve, answer) {
       "stroke-width": 2.2,
       "stroke-dasharray": dash,
     });
-  const k = span(curve.nut_stiffness_N_um.map((v) => v ?? NaN));
-  const y2 = scale([0, k[1] * 1.05], [box[3], box[1]]);
-  const right = box[2] - 52;
-  const preload = curve.preload_left_N.some((v) => v > 0)
-    ? scale([0, Math.max(...curve.preload_left_N.map((v) => v ?? 0)) * 1.05], [box[3], box[1]])
-    : null;
-  const here = shown(answer.reaction_SI?.[0], "N");
-  const mark =
-    Number.isFinite(here) && here >= x.domain[0] && here <= x.domain[1] && answer.nut_displacement_um != null
-      ? svg(
-          "circle",
-          {
-            cx: x(here),
-            cy: y(shown(answer.nut_displacement_um, "um")),
-            r: 5,
-            fill: "none",
-            stroke: "var(--ink)",
-            "stroke-width": 2,
-          },
-          svg("title", {}, "this load"),
-        )
-      : null;
-  const limit = shown(answer.limit_load_N, "N");
-  const ends = [0, 0.5, 1].map((part) =>
-    text(right + 6, y2(part * y2.domain[1]) + 4, number(part * y2.domain[1]).replace(/\.?0+$/, "") || "0", {
-      class: "small",
-      style: "fill:var(--c3)",
-    }),
-  );
+  const stiffnessUnit = shownUnit("N/um");
+  const displacementWords = `Displacement up to ${number(high)} ${shownUnit("um")}`;
+  const stiffnessWords = `tangent stiffness up to ${number(stiffest)} ${stiffnessUnit}`;
+  const preloadWords = `remaining preload, up to ${number(most)} ${shownUnit("N")}`;
+  const box = [left, top, right, bottom];
   return figure(
     "Displacement and stiffness as functions of the load",
     picture(
       width,
       height,
-      `Displacement up to ${number(high)} ${shownUnit("um")} and tangent stiffness up to ${number(k[1])} ${shownUnit("N/um")} as functions of the axial load`,
-      axes(
-        x,
-        y,
-        [box[0], box[1], right, box[3]],
-        labeled("axial load", "N"),
-        labeled("displacement", "um"),
-        64,
-      ),
+      `${displacementWords} and ${stiffnessWords} as functions of the axial load`,
+      axes(x, y, box, labeled("axial load", "N"), labeled("displacement", "um"), ROOM),
       line(shift, y, "--c1"),
-      line(curve.nut_stiffness_N_um, y2, "--c3", "7 4"),
+      line(curve.nut_stiffness_N_um, stiffness, "--c3", "7 4"),
       preload ? line(curve.preload_left_N, preload, "--c2", "2 3") : null,
-      mark,
-      ...ends,
-      limit && limit <= x.domain[1]
-        ? svg(
-            "g",
-            {},
-            svg("path", {
-              d: `M${x(limit)} ${box[1]}V${box[3]}`,
-              stroke: "var(--faint)",
-              "stroke-dasharray": "3 3",
-            }),
-            text(x(limit) - 4, box[1] + 12, "limit load", { "text-anchor": "end", class: "small faint" }),
-          )
-        : null,
+      operatingPoint(answer, x, y),
+      ...rightScale(stiffness, right),
+      limitLoad(answer, x, top, bottom),
     ),
     legend([
       ["displacement, left scale", "var(--c1)", "solid"],
-      [`tangent stiffness, ${shownUnit("N/um")}, right scale`, "var(--c3)", "dash"],
-      ...(preload
-        ? [
-            [
-              `remaining preload, up to ${number(preload.domain[1] / 1.05)} ${shownUnit("N")}`,
-              "var(--c2)",
-              "dots",
-            ],
-          ]
-        : []),
+      [`tangent stiffness, ${stiffnessUnit}, right scale`, "var(--c3)", "dash"],
+      ...(preload ? [[preloadWords, "var(--c2)", "dots"]] : []),
     ]),
-    html(
-      "p",
-      { class: "small" },
-      `The stiffness at this load is ${measuredOf(answer, "nut_stiffness_N_um", "N/um")}.${answer.preload_left_N == null ? "" : ` The preload is ${cold === warm ? cold : `${cold} cold and ${warm} warm`}; ${measuredOf(answer, "preload_left_N", "N")} of the preload remain.`}${limit == null ? "" : ` Above ${measuredOf(answer, "limit_load_N", "N")}, no preload remains.`}`,
-    ),
+    html("p", { class: "small" }, aboutStiffness(answer)),
   );
 }
 
-/** Draws the preload of the warm steady states as a function of the speed. The curve is solid up to the fold and dashed beyond the fold. */
+/** Writes the numbers of the right scale of a chart, without zeros at the end of their decimal places. */
+function rightScale(y, right) {
+  const [, top] = y.domain;
+  return [0, 0.5 * top, top].map((value) => {
+    const words = number(value).replace(/\.0+$|(\.\d*[1-9])0+$/, "$1");
+    return text(right + 6, y(value) + 4, words, { class: "small", style: "fill:var(--c3)" });
+  });
+}
+
+/** Marks the load of the case, if it is in the chart. */
+function operatingPoint(answer, x, y) {
+  const load = shown(answer.reaction_SI?.[0], "N");
+  const isInside = Number.isFinite(load) && load >= x.domain[0] && load <= x.domain[1];
+  if (!isInside || answer.nut_displacement_um == null) return null;
+  const center = { cx: x(load), cy: y(shown(answer.nut_displacement_um, "um")) };
+  return svg("circle", { ...center, ...RING }, svg("title", {}, "this load"));
+}
+
+/** Marks the load above which no preload remains, if it is in the chart. */
+function limitLoad(answer, x, top, bottom) {
+  const limit = shown(answer.limit_load_N, "N");
+  if (!limit || limit > x.domain[1]) return null;
+  const words = { "text-anchor": "end", class: "small faint" };
+  return svg("g", {}, dashedLine(x(limit), top, bottom), text(x(limit) - 4, top + 12, "limit load", words));
+}
+
+/** Draws a vertical line across a chart. */
+const dashedLine = (x, top, bottom) =>
+  svg("path", { d: `M${x} ${top}V${bottom}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" });
+
+/** States the stiffness at the load of the case, the preload and the load up to which preload remains. */
+function aboutStiffness(answer) {
+  const of = (name) => measuredOf(answer, name, "N");
+  const sentences = [`The stiffness at this load is ${measuredOf(answer, "nut_stiffness_N_um", "N/um")}.`];
+  if (answer.preload_left_N != null) {
+    const [cold, warm] = [of("cold_preload_N"), of("warm_preload_N")];
+    const preload = cold === warm ? cold : `${cold} cold and ${warm} warm`;
+    sentences.push(`The preload is ${preload}; ${of("preload_left_N")} of the preload remain.`);
+  }
+  if (answer.limit_load_N != null) sentences.push(`Above ${of("limit_load_N")}, no preload remains.`);
+  return sentences.join(" ");
+}
+
+/**
+ * Draws the preload of the warm steady states as a function of the speed. The curve is solid up to the fold
+ * and dashed beyond the fold.
+ */
 export function showWarm(host, branch, answer) {
   const place = host.querySelector(".warm");
   if (!place || !answer?.warm) return;
@@ -438,7 +452,6 @@ function warm(branch, answer) {
   const [width, height, box] = sizes();
   const { screw_speed_rpm: speed, stable, asked_rpm: asked } = branch;
   const preload = shownAll(branch.warm_preload_N, "N");
-  const turn = stable.indexOf(false);
   const x = scale([0, Math.max(...speed, asked) * 1.05], [box[0], box[2]]);
   const y = scale([0, Math.max(...preload, 1) * 1.06], [box[3], box[1]]);
   const line = (part, dash) =>
@@ -449,9 +462,18 @@ function warm(branch, answer) {
       "stroke-width": 2.2,
       "stroke-dasharray": dash,
     });
+  // The fold is the last stable state of a branch that turns back.
   const all = speed.map((_, i) => i);
-  const until = turn < 0 ? all : all.slice(0, turn);
-  const fold = until.at(-1);
+  const turn = stable.indexOf(false);
+  const hasFold = turn >= 0;
+  const solid = hasFold ? all.slice(0, turn) : all;
+  const fold = solid.at(-1);
+  const foldSpeed = `${number(speed[fold])} rpm`;
+  const foldWords = hasFold ? `, with a fold at ${foldSpeed}` : ", without a fold";
+  const meaning = hasFold
+    ? `Above ${foldSpeed} (circle), no steady state exists and the preload runs away. ` +
+      "The dashed states are unstable."
+    : "No fold in this range.";
   const ends = answer.groove_estimate?.intervals ?? {};
   const [nut, screw, balls] = ["nut", "screw", "balls"]
     .map((part) => `${part}_temperature_C`)
@@ -461,34 +483,24 @@ function warm(branch, answer) {
     picture(
       width,
       height,
-      `Warm preload as a function of the screw speed${turn < 0 ? ", without a fold" : `, with a fold at ${number(speed[fold])} rpm`}`,
-      axes(x, y, box, "screw speed, rpm", labeled("warm preload", "N"), 64),
-      line(until),
-      turn < 0 ? null : line(all.slice(turn - 1), "7 4"),
-      turn < 0
-        ? null
-        : svg(
+      `Warm preload as a function of the screw speed${foldWords}`,
+      axes(x, y, box, "screw speed, rpm", labeled("warm preload", "N"), ROOM),
+      line(solid),
+      hasFold ? line(all.slice(turn - 1), "7 4") : null,
+      hasFold
+        ? svg(
             "circle",
-            {
-              cx: x(speed[fold]),
-              cy: y(preload[fold]),
-              r: 5,
-              fill: "none",
-              stroke: "var(--ink)",
-              "stroke-width": 2,
-            },
+            { cx: x(speed[fold]), cy: y(preload[fold]), ...RING },
             svg("title", {}, "fold: no steady state above this speed"),
-          ),
-      svg("path", {
-        d: `M${x(asked)} ${box[1]}V${box[3]}`,
-        stroke: "var(--faint)",
-        "stroke-dasharray": "3 3",
-      }),
+          )
+        : null,
+      dashedLine(x(asked), box[1], box[3]),
     ),
     html(
       "p",
       { class: "small" },
-      `Nut ${nut}, screw ${screw}, balls ${balls} at ${number(asked)} rpm. ${turn < 0 ? "No fold in this range." : `Above ${number(speed[fold])} rpm (circle), no steady state exists and the preload runs away. The dashed states are unstable.`} The curve uses raceway control with friction per contact.`,
+      `Nut ${nut}, screw ${screw}, balls ${balls} at ${number(asked)} rpm. ${meaning} `,
+      "The curve uses raceway control with friction per contact.",
     ),
   );
 }

@@ -24,7 +24,10 @@ const STYLES = [
   "paint-order",
 ];
 
-/** Returns a copy of a picture that needs no style sheet. `below` is the canvas behind the picture, such as the colors of a map. */
+/**
+ * Returns a copy of a picture that needs no style sheet. `below` is the canvas behind the picture, such as
+ * the colors of a map.
+ */
 function alone(drawing, below) {
   const copy = drawing.cloneNode(true);
   const to = [copy, ...copy.querySelectorAll("*")];

@@ -2,12 +2,12 @@
 
 /** Maximum number of requests that are processed at the same time. */
 const MAX_RUNNING = Math.max(2, navigator.hardwareConcurrency ?? 2);
-/** Time limit for an answer [s]. The calculation of warm states for all possible grooves takes the longest time. */
+/** Time limit for an answer [s]. Warm states for all possible grooves take the longest time. */
 const TIME_LIMIT = 120;
 
 /**
- * The program of a worker. For each request, it creates a new instance of the module. Through the interface WASI, the instance reads
- * the request from its standard input and writes the answer to its standard output.
+ * The program of a worker. For each request, it creates a new instance of the module. Through the interface
+ * WASI, the instance reads the request from its standard input and writes the answer to its standard output.
  */
 function work() {
   const run = async (module, request) => {
@@ -121,15 +121,10 @@ export async function solved(route, body, signal) {
         end();
       };
       const abort = () => stop(signal.reason);
-      const timer = setTimeout(
-        () =>
-          stop(
-            new Error(
-              `stopped after ${TIME_LIMIT} s, because this point takes too long for the page; the command line has no such limit`,
-            ),
-          ),
-        1000 * TIME_LIMIT,
-      );
+      const tooLong =
+        `stopped after ${TIME_LIMIT} s, because this point takes too long for the page; ` +
+        "the command line has no such limit";
+      const timer = setTimeout(() => stop(new Error(tooLong)), 1000 * TIME_LIMIT);
       const failed = (words) =>
         stop(new Error(`the solver ended unexpectedly (${words}); please report this case`));
       signal?.addEventListener("abort", abort);

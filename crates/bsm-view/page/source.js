@@ -11,7 +11,10 @@ export const OUTPUT = new Map(start.schema.outputs.map((output) => [output.name,
 /** True if a server answers the requests; false if this file contains the solver. */
 export const served = start.token !== undefined;
 
-/** The request violates a rule. The message is the same as on the command line. `key` is the name of the invalid input, if it is known. */
+/**
+ * The request violates a rule. The message is the same as on the command line. `key` is the name of the
+ * invalid or missing input, if the name is known.
+ */
 export class Refused extends Error {
   constructor(message, key) {
     super(message);
@@ -23,7 +26,8 @@ export class Refused extends Error {
 export class ServerStopped extends Error {
   constructor() {
     super(
-      "The server has ended. Start `bsm view` again and open its new address. This page still shows its last numbers.",
+      "The server has ended. Start `bsm view` again and open its new address. " +
+        "This page still shows its last numbers.",
     );
   }
 }
@@ -31,7 +35,7 @@ export class ServerStopped extends Error {
 /** Random id with which this page identifies itself to the server. */
 const tab = served ? crypto.randomUUID() : "";
 
-/** Sends a request to the server. The server cancels requests from this page that have a lower `requestNumber`. */
+/** Sends a request to the server, which cancels requests from this page with a lower `requestNumber`. */
 async function fromServer(route, body, requestNumber, signal) {
   let response;
   const headers = {

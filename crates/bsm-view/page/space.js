@@ -7,7 +7,6 @@ import {
   svg,
   picture,
   number,
-  numberOf,
   shown,
   measured,
   labeled,
@@ -23,9 +22,23 @@ const DEG = Math.PI / 180;
 const TURN = 2 * Math.PI;
 /** Speed of the faster of screw and nut in the animation [rev/s]. */
 const SHOWN = 0.1;
-/** Frame time above which a machine counts as slow, and pause between frames on a slow machine [ms]. */
+/** Frame time above which a machine counts as slow [ms]. */
 const QUICK = 20;
+/** Pause between frames on a slow machine [ms]. */
 const PAUSE = 120;
+/** Explains the colors of the picture of one ball. */
+const COLORS =
+  "Red: axis of rotation of the ball. Gray: tangent t of the helix, normal n toward the screw axis, " +
+  "binormal b. Blue: contact at the nut. Orange: contact at the screw.";
+/**
+ * Axes of the picture of one ball: t points to the left of the viewer, b points up, and n points to the right
+ * and away.
+ */
+const FRAME = {
+  t: new three.Vector3(0, 0, 1),
+  n: new three.Vector3(0, -1, 0),
+  b: new three.Vector3(1, 0, 0),
+};
 
 /** Returns the dimensions of a case in millimeters. */
 function sizes(given, solved, nut) {
@@ -61,7 +74,10 @@ function sizes(given, solved, nut) {
   return { ball, pitch, lead, starts, angle: angle * DEG, balls, half, middle, section: solved.section };
 }
 
-/** Returns the radius of the groove or land as a function of the axial distance from the middle of the groove, and the position of the edge. */
+/**
+ * Returns the radius of the groove or land as a function of the axial distance from the middle of the groove,
+ * and the position of the edge.
+ */
 function profile({ ball, pitch, section }, member) {
   const points = section?.[member];
   const side = member === "nut" ? 1 : -1;
@@ -85,7 +101,10 @@ function profile({ ball, pitch, section }, member) {
   };
 }
 
-/** A thread surface between two ends, made of lines along the helix. The lines are close together where the groove is steep. */
+/**
+ * A thread surface between two ends, made of lines along the helix. The lines are close together where the
+ * groove is steep.
+ */
 class Thread {
   constructor({ lead, starts, middle }, { edge, at }, [low, high]) {
     const step = lead / starts;
@@ -108,7 +127,10 @@ class Thread {
     return this.at((turns - Math.round(turns)) * this.step);
   }
 
-  /** Returns the positions along the axis at an angle, with their radii. The number of positions is the same for every angle. */
+  /**
+   * Returns the positions along the axis at an angle, with their radii. The number of positions is the same
+   * for every angle.
+   */
   places(theta) {
     const list = [];
     const { low, high } = this;
@@ -265,7 +287,10 @@ export class Space {
     if (this.renderer && this.key && !this.measured) this.measure();
   }
 
-  /** Measures whether frames are fast enough to follow the sliders. The first frame, which compiles the shaders, is not measured. */
+  /**
+   * Measures whether frames are fast enough to follow the sliders. The first frame, which compiles the
+   * shaders, is not measured.
+   */
   measure() {
     const gl = this.renderer.getContext();
     const began = performance.now();
@@ -353,39 +378,26 @@ export class Space {
     this.loop();
   }
 
+  /** Returns the alternative text of the picture, followed by the elements below the picture. */
   describe(found, solved, low, high, slow, shared) {
     const speed = slow ? `slowed ${brief(slow)} times` : "not to scale, because the speed is missing";
-    const spin =
-      solved.nut_spin_rad_s == null
-        ? ""
-        : ` The spin is ${numberOf(solved, "nut_spin_rad_s")} rad/s at the nut and ${numberOf(solved, "screw_spin_rad_s")} rad/s at the screw. The orbital speed of the ball is ${number(solved.ball_precession_rad_s)} rad/s.`;
-    const label = `Screw with a pitch circle of ${measured(found.pitch, "mm")}, ${found.balls.length} balls of ${measured(found.ball, "mm")} and a lead of ${measured(found.lead, "mm")}; loads from ${number(shown(low, "N"))} to ${measured(high, "N")}`;
-    const balls = shared
+    const motion = html(
+      "p",
+      { class: "small faint" },
+      `Motion ${speed}.`,
+      "nut_spin_rad_s" in solved.shown.keys ? spinOf(solved) : "",
+      " Drag or use the arrow keys to look around.",
+    );
+    const { balls } = found;
+    const [pitch, ball, lead] = [found.pitch, found.ball, found.lead].map((size) => measured(size, "mm"));
+    const label =
+      `Screw with a pitch circle of ${pitch}, ${balls.length} balls of ${ball} and a lead of ${lead}; ` +
+      `loads from ${number(shown(low, "N"))} to ${measured(high, "N")}`;
+    if (this.one) return [label, motion, html("p", { class: "small faint" }, COLORS)];
+    const loads = shared
       ? rampBar(shown(low, "N"), shown(high, "N"), labeled("load of a ball", "N"))
-      : html(
-          "p",
-          { class: "small" },
-          found.balls.length === 1
-            ? `The picture shows one ball under ${measured(high, "N")}.`
-            : `${found.balls.length} balls, each under ${measured(high, "N")}. To calculate the load of each ball, give loaded_balls_per_turn and loaded_turns.`,
-        );
-    const axes = this.one
-      ? html(
-          "p",
-          { class: "small faint" },
-          "Red: axis of rotation of the ball. Gray: tangent t of the helix, normal n toward the screw axis, binormal b. Blue: contact at the nut. Orange: contact at the screw.",
-        )
-      : null;
-    return [
-      label,
-      ...(this.one ? [] : [balls]),
-      html(
-        "p",
-        { class: "small faint" },
-        `Motion ${speed}.${spin} Drag or use the arrow keys to look around.`,
-      ),
-      ...(axes ? [axes] : []),
-    ];
+      : html("p", { class: "small" }, loadOf(balls.length, measured(high, "N")));
+    return [label, loads, motion];
   }
 
   build() {
@@ -480,78 +492,29 @@ export class Space {
   }
 
   buildOne(add) {
-    const r = 1;
-    const omega = this.rate.omega;
-    const s = this.solved;
-    // Axes of the picture: t points to the left of the viewer, b points up, and n points to the right and away.
-    const frame = {
-      t: new three.Vector3(0, 0, 1),
-      n: new three.Vector3(0, -1, 0),
-      b: new three.Vector3(1, 0, 0),
-    };
-    const mix = ([t, n, b]) =>
-      frame.t.clone().multiplyScalar(t).addScaledVector(frame.n, n).addScaledVector(frame.b, b);
-    const rod = (direction, length, paint, thick = 0.035, head = true) => {
-      const group = add(new three.Group());
-      const material = new three.MeshStandardMaterial({ color: new three.Color(paint), roughness: 0.6 });
-      const shaft = new three.Mesh(new three.CylinderGeometry(thick, thick, length, 12), material);
-      shaft.position.y = length / 2;
-      group.add(shaft);
-      if (head) {
-        const tip = new three.Mesh(new three.CylinderGeometry(0, thick * 3, thick * 7, 16), material);
-        tip.position.y = length;
-        group.add(tip);
-      }
-      group.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), direction.clone().normalize());
-      return group;
-    };
+    const { omega } = this.rate;
+    const rod = (direction, length, paint, thick, hasHead) =>
+      add(rodOf(direction, length, paint, thick, hasHead));
     this.globe = add(new three.Group());
-    this.globe.add(
-      new three.Mesh(
-        new three.SphereGeometry(r, 48, 32),
-        this.metal("steel", { transparent: true, opacity: 0.88 }),
-      ),
-    );
-    // The circles on the ball make its rotation visible.
-    const axis = omega && Math.hypot(...omega) > 0 ? mix(omega).normalize() : frame.b;
-    const circle = (k) => {
-      const points = [];
-      for (let i = 0; i <= 96; i += 1) {
-        const a = (TURN * i) / 96;
-        points.push(
-          1.004 * Math.cos(a) * Math.cos(k),
-          1.004 * Math.sin(a),
-          1.004 * Math.cos(a) * Math.sin(k),
-        );
-      }
-      const g = new three.BufferGeometry();
-      g.setAttribute("position", new three.BufferAttribute(new Float32Array(points), 3));
-      return new three.Line(g, new three.LineBasicMaterial({ color: new three.Color(color("ink")) }));
-    };
-    const lines = new three.Group();
-    for (let k = 0; k < 4; k += 1) lines.add(circle((k * Math.PI) / 4));
-    lines.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), axis);
-    this.globe.add(lines);
-    this.axis = axis;
+    const surface = this.metal("steel", { transparent: true, opacity: 0.88 });
+    this.globe.add(new three.Mesh(new three.SphereGeometry(1, 48, 32), surface));
+    this.axis = omega && Math.hypot(...omega) > 0 ? mix(omega).normalize() : FRAME.b;
+    this.globe.add(meridians(this.axis));
     if (omega) {
-      rod(axis, 1.75, color("hot"), 0.045);
-      rod(axis.clone().negate(), 1.4, color("hot"), 0.03, false);
+      rod(this.axis, 1.75, "hot", 0.045);
+      rod(this.axis.clone().negate(), 1.4, "hot", 0.03, false);
     }
-    for (const direction of Object.values(frame)) rod(direction, 1.5, color("faint"), 0.014);
+    for (const direction of Object.values(FRAME)) rod(direction, 1.5, "faint", 0.014);
     for (const [name, side, paint] of [
       ["nut", -1, "c1"],
       ["screw", 1, "c2"],
     ]) {
-      const angle = s[`${name}_contact_angle_deg`];
+      const angle = this.solved[`${name}_contact_angle_deg`];
       if (angle == null) continue;
       const place = mix([0, side * Math.cos(angle * DEG), side * Math.sin(angle * DEG)]);
-      rod(place, 1.55, color(paint), 0.03, false);
-      const mark = add(
-        new three.Mesh(
-          new three.SphereGeometry(0.09, 20, 14),
-          new three.MeshStandardMaterial({ color: new three.Color(color(paint)) }),
-        ),
-      );
+      rod(place, 1.55, paint, 0.03, false);
+      const material = new three.MeshStandardMaterial({ color: new three.Color(color(paint)) });
+      const mark = add(new three.Mesh(new three.SphereGeometry(0.09, 20, 14), material));
       mark.position.copy(place);
     }
     if (this.placed !== "one") {
@@ -605,7 +568,8 @@ export class Space {
     } else {
       this.screw.rotation.z = rate.screw * time;
       this.shell.rotation.z = rate.nut * time;
-      // Each ball moves along the helix of the nut to the initial position of the next ball, and then starts again.
+      // Each ball moves along the helix of the nut to the initial position of the next ball, and then starts
+      // again.
       const run = (((((rate.ball ?? rate.screw / 2) - rate.nut) * time) % this.gap) + this.gap) % this.gap;
       const place = new three.Matrix4();
       found.balls.forEach((ball, i) => {
@@ -621,6 +585,66 @@ export class Space {
     }
     this.renderer.render(this.world, this.camera);
   }
+}
+
+function spinOf(solved) {
+  const { nut_spin_rad_s: nut, screw_spin_rad_s: screw } = solved.shown.keys;
+  const orbital = number(solved.ball_precession_rad_s);
+  return (
+    ` The spin is ${nut.text} rad/s at the nut and ${screw.text} rad/s at the screw. ` +
+    `The orbital speed of the ball is ${orbital} rad/s.`
+  );
+}
+
+/** Describes the load of the balls if the loads of all balls are the same. */
+function loadOf(count, load) {
+  if (count === 1) return `The picture shows one ball under ${load}.`;
+  return (
+    `${count} balls, each under ${load}. ` +
+    "To calculate the load of each ball, give loaded_balls_per_turn and loaded_turns."
+  );
+}
+
+/** Returns the vector with the given components along t, n and b. */
+const mix = ([t, n, b]) =>
+  FRAME.t.clone().multiplyScalar(t).addScaledVector(FRAME.n, n).addScaledVector(FRAME.b, b);
+
+/** Returns a rod from the center in a direction, with a conical head unless `hasHead` is false. */
+function rodOf(direction, length, paint, thick, hasHead = true) {
+  const group = new three.Group();
+  const material = new three.MeshStandardMaterial({ color: new three.Color(color(paint)), roughness: 0.6 });
+  const shaft = new three.Mesh(new three.CylinderGeometry(thick, thick, length, 12), material);
+  shaft.position.y = length / 2;
+  group.add(shaft);
+  if (hasHead) {
+    const tip = new three.Mesh(new three.CylinderGeometry(0, thick * 3, thick * 7, 16), material);
+    tip.position.y = length;
+    group.add(tip);
+  }
+  group.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), direction.clone().normalize());
+  return group;
+}
+
+/** Returns circles through the ends of the axis of rotation, which make the rotation of the ball visible. */
+function meridians(axis) {
+  const material = new three.LineBasicMaterial({ color: new three.Color(color("ink")) });
+  const lines = new three.Group();
+  // The circles are slightly larger than the ball, whose radius is 1.
+  const radius = 1.004;
+  for (let k = 0; k < 4; k += 1) {
+    const turned = (k * Math.PI) / 4;
+    const points = [];
+    for (let i = 0; i <= 96; i += 1) {
+      const a = (TURN * i) / 96;
+      const across = radius * Math.cos(a);
+      points.push(across * Math.cos(turned), radius * Math.sin(a), across * Math.sin(turned));
+    }
+    const geometry = new three.BufferGeometry();
+    geometry.setAttribute("position", new three.BufferAttribute(new Float32Array(points), 3));
+    lines.add(new three.Line(geometry, material));
+  }
+  lines.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), axis);
+  return lines;
 }
 
 /** Returns a smooth cylindrical surface around the axis. */

@@ -22,6 +22,9 @@ use crate::form::schema;
 /// Maximum number of points of a map.
 const MAX_POINTS: usize = 40_000;
 
+/// Names of the contacts of a ball, in the order of the values of a quantity.
+const CONTACTS: [&str; 3] = ["nut", "screw", "far flank"];
+
 /// The reason why a request is refused.
 #[derive(Debug, Error)]
 pub enum Refusal {
@@ -211,11 +214,17 @@ fn solved(Request { case, settings, options }: &Request, parts: bool) -> Result<
         json!([row.quantity.about, row.unit, cells])
     };
     let key = |row: &Row| {
-        let columns = row.quantity.columns.iter().zip(row.values);
-        let entry = |(column, value): (&Output, Option<f64>)| {
-            Some((column.name.to_owned(), json!([value?, row.unit])))
+        let entry = |(place, column): (usize, &Output)| {
+            let value = row.values[place]?;
+            let text = format_number(value) + &format_interval(row.bands[place]);
+            let label = match row.quantity.scope {
+                Scope::Contacts => format!("{}, {}", row.quantity.about, CONTACTS[place]),
+                _ => row.quantity.about.trim_start().to_owned(),
+            };
+            let key = json!({ "value": value, "unit": row.unit, "label": label, "text": text });
+            Some((column.name.to_owned(), key))
         };
-        columns.filter_map(entry).collect::<Vec<_>>()
+        row.quantity.columns.iter().enumerate().filter_map(entry).collect::<Vec<_>>()
     };
     let marked = numbers.rows().filter(|row| unbounded.contains(&row.quantity.name));
     report.insert(
