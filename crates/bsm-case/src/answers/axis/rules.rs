@@ -103,18 +103,23 @@ impl RuleInputs<'_> {
     }
 
     /// Returns the source of the buckling rule. The text names the end conditions, states whether
-    /// they are the default, and gives the safety factor for the end conditions in `support`.
+    /// they are the default, and gives the safety factor for the end conditions in `support` if
+    /// these are different.
     fn buckling_source(&self) -> String {
         let Some(shaft) = &self.axis.shaft else { return String::new() };
         let by_default =
             if self.case.entries.buckling_support.is_none() { " (default)" } else { "" };
-        let of_support = self.number(output!(buckling_safety_of_support)).unwrap_or(f64::NAN);
-        format!(
-            "Euler (Z2), end conditions {}{by_default}. With the end conditions of the input support ({}), the safety factor is {}",
-            shaft.buckling.support.name(),
-            shaft.support.name(),
-            format_number(of_support)
-        )
+        let conditions =
+            format!("Euler (Z2), end conditions {}{by_default}", shaft.buckling.support.name());
+        let of_support = self.number(output!(buckling_safety_of_support));
+        match of_support.filter(|_| shaft.support != shaft.buckling.support) {
+            Some(safety) => format!(
+                "{conditions}. With the end conditions of the input support ({}), the safety factor is {}",
+                shaft.support.name(),
+                format_number(safety)
+            ),
+            None => conditions,
+        }
     }
 
     /// Adapts the buckling rule to a load that may be unguided: the rule is then undecided unless
