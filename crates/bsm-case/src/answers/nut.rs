@@ -9,7 +9,8 @@ use bsm_design::groove::FEW_DRAWS;
 use bsm_design::in_series;
 use bsm_design::life::{Duty, life};
 use bsm_dyn::{
-    ElasticPoint, Model, ModelWorkspace, Problem, hertz::Hertz, lubrication::Temperature,
+    ElasticPoint, Model, ModelWorkspace, Problem, SolveFailure, hertz::Hertz,
+    lubrication::Temperature,
 };
 use bsm_kin::Drive;
 use bsm_nut::friction::{BallModel, FrictionSum, NutFriction, ThirdContacts};
@@ -69,7 +70,8 @@ pub struct NutReport {
     reverse_torque: OnceCell<Option<f64>>,
     /// Friction of the nut without external load, for both directions of travel.
     unloaded_friction: [OnceCell<Option<NutFriction>>; 2],
-    running_pair: [OnceCell<Option<PairDrag>>; 2],
+    /// Friction and preload of the running nut pair, for both directions of travel.
+    running_pair: [OnceCell<Option<Result<PairDrag, SolveFailure>>>; 2],
     advance: OnceCell<Option<Advance>>,
     limit_load: OnceCell<Option<f64>>,
 }
@@ -214,16 +216,47 @@ impl NutReport {
     /// the play is given.
     fn factor_without_play(&self) -> Option<f64> {
         let is_given = self.at_rest.nut.errors.axial_play.is_some();
-        let pair = self.pair_drag(Some(0.0), Travel::Given).filter(|_| !is_given)?;
+        let pair = self.pair_drag(Some(0.0), Travel::Given).filter(|_| !is_given)?.ok()?;
         Some(pair.torque / self.rule_torque()?)
     }
 
-    /// Returns the friction torque and the preload of the nut pair while the screw turns, or `None`
-    /// if the model does not integrate friction over the contacts.
-    fn running_pair(&self, direction: Travel) -> Option<PairDrag> {
+    /// Returns the friction torque and the preload of the nut pair while the screw turns, or the
+    /// reason why no steady motion was found. Returns `None` if the nut is not such a pair, or if
+    /// the model does not integrate friction over the contacts.
+    fn solved_pair(&self, direction: Travel) -> Option<&Result<PairDrag, SolveFailure>> {
         let play = self.at_rest.nut.errors.axial_play;
         let work_out = || self.pair_drag(play, direction);
-        *self.running_pair[direction as usize].get_or_init(work_out)
+        self.running_pair[direction as usize].get_or_init(work_out).as_ref()
+    }
+
+    /// Returns the friction torque and the preload of the nut pair while the screw turns, or `None`
+    /// if they are not calculated.
+    fn running_pair(&self, direction: Travel) -> Option<PairDrag> {
+        self.solved_pair(direction)?.as_ref().ok().copied()
+    }
+
+    /// Returns one sentence for each direction of travel in which the calculation of the running
+    /// nut pair has failed. A direction that has not been calculated yet is omitted.
+    fn pair_failures(&self) -> impl Iterator<Item = String> {
+        [(Travel::Given, ""), (Travel::Reverse, " in the opposite direction of travel")]
+            .into_iter()
+            .filter_map(|(direction, words)| {
+                let solved = self.running_pair[direction as usize].get()?.as_ref()?;
+                let failure = solved.as_ref().err()?;
+                Some(format!(
+                    "The friction torque due to the running preload{words} is not calculated: {}.",
+                    message(failure.reason())
+                ))
+            })
+    }
+
+    /// Calculates the running nut pair in both directions of travel, and returns one note for each
+    /// direction in which the calculation fails.
+    pub(crate) fn pair_notes(&self) -> Vec<String> {
+        for direction in [Travel::Given, Travel::Reverse] {
+            self.solved_pair(direction);
+        }
+        self.pair_failures().collect()
     }
 
     /// Calculates the torque and the preload of a nut pair without external load while the screw
@@ -231,7 +264,11 @@ impl NutReport {
     ///
     /// * `play`: play of each nut \[m\]. If `None`, the play is assumed to be so large that no ball
     ///   touches a far flank.
-    fn pair_drag(&self, play: Option<f64>, direction: Travel) -> Option<PairDrag> {
+    fn pair_drag(
+        &self,
+        play: Option<f64>,
+        direction: Travel,
+    ) -> Option<Result<PairDrag, SolveFailure>> {
         let NutAtRest { nut, preload, .. } = &self.at_rest;
         let NutPreload { by: PreloadKind::Offset, warm, .. } = (*preload)? else { return None };
         let integrates = matches!(
@@ -244,8 +281,11 @@ impl NutReport {
         if friction.loaded.is_none() {
             friction.loaded = self.unloaded_friction(direction)?.mean_friction;
         }
-        let running = nut.running_pair(warm, friction, &drive, play)?.ok()?;
-        Some(PairDrag { torque: running.friction_torque * balls, preload: running.force() * balls })
+        let running = nut.running_pair(warm, friction, &drive, play)?;
+        Some(running.map(|running| PairDrag {
+            torque: running.friction_torque * balls,
+            preload: running.force() * balls,
+        }))
     }
 
     fn third_contacts(&self) -> Option<&ThirdContacts> {
@@ -361,6 +401,8 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
     "friction" {
         friction_torque_Nm ["N m"] Scalar(|n| n.friction()?.torque) needs FRICTION, "friction torque of the balls";
         contact_torque_Nm ["N m"] Scalar(|n| n.contact_torque()) needs FRICTION, "  contacts with nut and screw";
+        third_contact_torque_Nm ["N m"] Scalar(|n| positive_finite(n.third_contact_torque()?)) needs FRICTION,
+            "    friction torque due to third contacts";
         ball_contact_torque_Nm ["N m"] Scalar(|n| n.ball_contact_torque()) needs FRICTION, "  ball-to-ball contact, from ball_gap_mm or ball_contact_force_N";
         return_push_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.return_torque)) needs TRAIN, "  balls pushed through the returns";
         catching_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.catching_torque)) needs TRAIN, "  balls that catch up with a slower ball";
@@ -369,8 +411,6 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
             "number of balls with a third contact, because friction presses them against a far flank (with axial_play_um or oversize balls)";
         largest_third_contact_load_N ["N"] Scalar(|n| positive_finite(n.third_contacts()?.largest_load)) needs FRICTION,
             "largest normal load on any third contact";
-        third_contact_torque_Nm ["N m"] Scalar(|n| positive_finite(n.third_contact_torque()?)) needs FRICTION,
-            "  of which due to third contacts";
         third_contact_torque_share [""] Scalar(NutReport::third_contact_share) needs FRICTION,
             "share of the friction torque of the balls that is due to third contacts";
         friction_torque_reverse_Nm ["N m"] Scalar(NutReport::reverse_torque) needs FRICTION,
@@ -895,7 +935,9 @@ impl NutReport {
         // Friction is already calculated at this point if a requested result depends on it.
         let friction = self.ball_friction.get().and_then(Option::as_ref);
         let why = friction.and_then(|of_balls| of_balls.pushed.as_ref()?.as_ref().err());
-        numbers.with_reason(why.map(|why| not_pushed(why)))
+        let reasons: Vec<_> =
+            why.map(|why| not_pushed(why)).into_iter().chain(self.pair_failures()).collect();
+        numbers.with_reason((!reasons.is_empty()).then(|| reasons.join(" ")))
     }
 
     /// Returns the result with the given name, or `None` if it does not exist.
@@ -998,6 +1040,7 @@ impl NutReport {
                 ));
             }
         }
+        notes.extend(self.pair_notes());
         notes
     }
 

@@ -47,6 +47,8 @@ impl AxisState<'_> {
         notes.extend(self.warm.iter().flat_map(Warm::notes));
         notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
         notes.extend(self.nut.as_ref().and_then(NutReport::assumed_play));
+        let unloaded = self.preload.as_ref().and_then(|preload| preload.unloaded.as_ref());
+        notes.extend(unloaded.into_iter().flat_map(NutReport::pair_notes));
         notes.extend(self.machine.assumed.iter().cloned());
         notes.extend(self.by_catalog());
         notes.extend(self.heaviest().and_then(Torques::costs));
