@@ -712,3 +712,43 @@ fn a_pair_without_remaining_preload_is_rejected() {
     assert!(pair.solve(100.0, work).is_ok());
     assert!(pair.solve(1000.0, work).is_err());
 }
+
+#[test]
+fn running_torque_of_a_pair_decreases_continuously_with_the_play() {
+    /// Preload of each ball at rest \[N\].
+    const PRELOAD: f64 = 50.0;
+    /// Largest relative decrease of the torque when the play grows by 0.25 um.
+    const MAX_DECREASE: f64 = 0.015;
+    let torque = |friction: f64, play_um: f64, rpm: f64| {
+        let scene = Scene {
+            pitch: 41.336,
+            conformity: Conformities::alike(0.5203),
+            modulus: 206.0,
+            rpm: (rpm, 0.0),
+            ..Scene::from_study(friction, play_um)
+        };
+        let (driving, work) =
+            (GothicBall { accuracy: 1e-6, ..scene.gothic() }, &mut GothicWorkspace::default());
+        let pair =
+            GothicPair::of_preload(driving, PRELOAD, work).and_then(|pair| pair.solve(0.0, work));
+        let place = format!("friction {friction}, play {play_um} um, {rpm} rpm");
+        pair.unwrap_or_else(|failure| panic!("{place}: {failure:?}")).friction_torque
+    };
+    for (friction, from) in [(0.12, 28.0), (0.13, 15.0), (0.14, 15.0), (0.14, 33.0), (0.16, 18.0)] {
+        let mut last: Option<f64> = None;
+        for step in 0..=20 {
+            let play = from + 0.25 * f64::from(step);
+            let forward = torque(friction, play, 100.0);
+            // In the opposite direction, the two nuts of the pair exchange their roles.
+            assert_near("reverse", torque(friction, play, -100.0), forward, 1e-6, forward);
+            if let Some(last) = last {
+                let decrease = 1.0 - forward / last;
+                assert!(
+                    (0.0..MAX_DECREASE).contains(&decrease),
+                    "friction {friction}, play {play} um: the torque decreases by {decrease:e}"
+                );
+            }
+            last = Some(forward);
+        }
+    }
+}

@@ -3,7 +3,7 @@
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC8) and (AC9).
 
-use bsm_newton::{Bracket, EvalError};
+use bsm_newton::{Bracket, EvalError, FunctionValue};
 
 use super::{AxialCondition, GothicBall, GothicState, GothicWorkspace};
 use crate::models::ball::{SolveFailure, domain_error};
@@ -38,12 +38,6 @@ const DISPLACEMENT_TOL: f64 = 1e-11;
 
 /// Relative tolerance of the force balance between the two nuts.
 const FORCE_TOL: f64 = 1e-6;
-
-/// Minimum displacement of each nut beyond first contact, divided by the offset. The force at this
-/// displacement is about 1e-9 of the preload and thus below [`FORCE_TOL`]. If the search could
-/// approach zero, it would evaluate displacements so small that they are lost in rounding, and at
-/// which no flank carries a load.
-const MIN_DISPLACEMENT: f64 = 1e-6;
 
 impl GothicPair {
     /// Returns the force between the nuts without friction and external load \[N\].
@@ -91,21 +85,27 @@ impl GothicPair {
             let back_driven = back.solve(other, near.map(|near| &near[1]), work)?;
             Ok::<_, SolveFailure>([driving, back_driven])
         };
-        let mut last: Option<(f64, f64)> = None;
+        // Displacement, excess force and its derivative at the last solved displacement.
+        let mut last: Option<(f64, f64, f64)> = None;
         let mut balls: Option<[GothicState; 2]> = None;
         let mut failure: Option<SolveFailure> = None;
-        let ends = [MIN_DISPLACEMENT, 1.0 - MIN_DISPLACEMENT].map(|part| part * self.offset);
         let bracket = Bracket {
             start: Some(0.5 * self.offset),
             x_tol: DISPLACEMENT_TOL,
-            ..Bracket::new(ends, [f64::NEG_INFINITY, f64::INFINITY])
+            ..Bracket::new([0.0, self.offset], [f64::NEG_INFINITY, f64::INFINITY])
         };
         let found = bracket.root(|u| {
             let found = match at(u, balls.as_ref(), work) {
                 Ok(found) => *balls.insert(found),
                 Err(error) => {
                     failure = Some(error);
-                    return (f64::NAN, f64::NAN);
+                    // If the search takes a very long step, a ball may have no solution there. Only
+                    // the sign of the excess force is then needed, and the tangent at the last
+                    // solved displacement predicts this sign. The balance of the forces at the root
+                    // is checked below, so a wrong sign is detected.
+                    let expected = last.map(|(before, value, slope)| value + slope * (u - before));
+                    let sign = expected.map_or(f64::NAN, f64::signum);
+                    return FunctionValue::from(sign * f64::INFINITY);
                 }
             };
             // (w − w_t)_drive + (w − w_t)_back = O cosα,  F_d − F_b = F   (AC8)
@@ -113,23 +113,23 @@ impl GothicPair {
             let excess = driving - back_driven - external;
             // Each force is approximately proportional to the deflection to the power 3/2.
             let rough = 1.5 * (driving / u + back_driven / (self.offset - u));
-            let secant =
-                last.replace((u, excess)).map(|(before, value)| (excess - value) / (u - before));
-            (excess, secant.filter(|slope| *slope > 0.0).unwrap_or(rough))
+            let secant = last.map(|(before, value, _)| (excess - value) / (u - before));
+            let slope = secant.filter(|slope| *slope > 0.0).unwrap_or(rough);
+            last = Some((u, excess, slope));
+            FunctionValue::from((excess, slope))
         });
-        if let Some(error) = failure {
-            return Err(error);
-        }
-        let lifted = domain_error(EvalError {
-            quantity: "external load on a preloaded pair [N]",
-            value: external,
-            requirement: "must be small enough for both nuts to stay loaded",
+        let unbalanced = failure.unwrap_or_else(|| {
+            domain_error(EvalError {
+                quantity: "external load on a preloaded pair [N]",
+                value: external,
+                requirement: "must be small enough for both nuts to stay loaded",
+            })
         });
-        let root = found.root().ok_or_else(|| lifted.clone())?;
+        let Some(root) = found.root() else { return Err(unbalanced) };
         let [driving, back_driven] = at(root.x, balls.as_ref(), work)?;
         let force = driving.axial_force.max(external.abs());
         if (driving.axial_force - back_driven.axial_force - external).abs() > FORCE_TOL * force {
-            return Err(lifted);
+            return Err(unbalanced);
         }
         let speed = self.driving.screw.point.drive.relative_speed().abs();
         // T_f = (P_d + P_b)/|W|                                           (AC9)
