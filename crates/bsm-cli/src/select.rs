@@ -4,8 +4,9 @@
 use std::path::{Path, PathBuf};
 
 use bsm_case::{
-    CaseError, Catalog, Content, DesignReport, DesignRow, MANUFACTURER_SIZES, ManufacturerNut,
-    REQUIREMENT_INPUTS, RequirementChoice, RequirementFile, STANDARD_CATALOG,
+    CaseError, Catalog, Content, DesignReport, DesignRow, ListColumn, MANUFACTURER_SIZES,
+    ManufacturerNut, NameKind, REQUIREMENT_INPUTS, RequirementChoice, RequirementFile,
+    STANDARD_CATALOG,
 };
 
 use crate::answer::{Destination, Pictures, Reply, WriteTable};
@@ -97,7 +98,22 @@ pub(crate) fn requirement(
     let Some(path) = &args.requirement else { return Ok(None) };
     let requirement =
         RequirementFile::from_json(&read_json(path)?, &args.settings(), catalog.lists.clone());
-    requirement.map(Some).map_err(|e| Failure::case(path, &e))
+    requirement.map(Some).map_err(|e| Failure::case(path, &column_instead_of_key(e)))
+}
+
+/// Returns an error that points to `--where` if a key of a requirement is not known, but is a
+/// column of the list of sizes. Returns any other error unchanged.
+fn column_instead_of_key(error: CaseError) -> CaseError {
+    match &error {
+        CaseError::Unknown { kind: NameKind::Requirement, name, .. }
+            if ListColumn::of_sizes(true).iter().any(|column| column.name == *name) =>
+        {
+            CaseError::Invalid(format!(
+                "`{name}` is not a key of a requirement, but a column of the list of sizes. To restrict it, use a condition such as --where {name}=VALUE"
+            ))
+        }
+        _ => error,
+    }
 }
 
 /// Chooses the best screw and prints the steps of this choice.
@@ -154,6 +170,8 @@ fn keys() -> String {
          defaults to 0.06. All rules of bsm axis are limits.\n\
          The program chooses lead_mm or lead_angle_deg, ball_diameter_mm, pitch_circle_diameter_mm,\n\
          contact_angle_deg, nut_conformity and loaded_turns, unless they are given.\n\
-         Each key is an input of a case (bsm schema input) or one of the following keys.\n\n{table}"
+         A key is one of the following keys, or an input of a case (bsm schema input) that describes the\n\
+         load, the axis, the lubricant or one of the sizes above. Other columns of the list of sizes, such as\n\
+         nominal_diameter_mm, are not keys; restrict them with --where nominal_diameter_mm=25.\n\n{table}"
     )
 }
