@@ -104,16 +104,14 @@ pub(crate) fn requirement(
 /// Returns an error that points to `--where` if a key of a requirement is not known, but is a
 /// column of the list of sizes. Returns any other error unchanged.
 fn column_instead_of_key(error: CaseError) -> CaseError {
-    match &error {
-        CaseError::Unknown { kind: NameKind::Requirement, name, .. }
-            if ListColumn::of_sizes(true).iter().any(|column| column.name == *name) =>
-        {
-            CaseError::Invalid(format!(
-                "`{name}` is not a key of a requirement, but a column of the list of sizes. To restrict it, use a condition such as --where {name}=VALUE"
-            ))
-        }
-        _ => error,
+    if let CaseError::Unknown { kind: NameKind::Requirement, name, .. } = &error
+        && ListColumn::of_sizes(true).iter().any(|column| column.name == *name)
+    {
+        return CaseError::Invalid(format!(
+            "`{name}` is not a key of a requirement, but a column of the list of sizes. To restrict it, use a condition such as --where {name}=VALUE"
+        ));
     }
+    error
 }
 
 /// Chooses the best screw and prints the steps of this choice.
