@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use bsm_design::catalog::{Candidate, Size};
 use bsm_design::{
-    ActiveLimit, BindingLimit, Bounds, Check, Design, DesignQuantity, Infeasibility, LoadCase,
+    ActiveLimit, BindingLimit, Bounds, Check, Design, DesignQuantity, Infeasibility, LoadCase, Nut,
     Outcome, Pitch, Rejection, Requirement,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
@@ -161,7 +161,6 @@ impl DesignReport {
         let source = catalog.zip(design.size).and_then(|(catalog, size)| catalog.source_of(&size));
         let mut case = case(requirement, &design);
         case.entries.manufacturer = source.and_then(|source| source.manufacturer.clone());
-        let offered = design.size.and_then(|size| size.offered);
         let axis_sheet = requirement.axis_sheet(&case);
         let why = match &axis_sheet {
             Ok(_) => None,
@@ -233,16 +232,7 @@ impl DesignReport {
         let mut notes = requirement.notes.clone();
         notes.extend(describe_not_calculated(&not_calculated));
         notes.extend(is_unloaded.then(|| NO_LOAD.to_owned()));
-        if offered.is_some_and(|size| !size.ball_is_printed) {
-            notes.push(
-                "The ball diameter is an estimate; ask the manufacturer for the actual diameter."
-                    .to_owned(),
-            );
-        }
-        if let (Some(size), Some(source)) = (design.size, source) {
-            notes.push(describe_source(&size, source));
-        }
-        notes.extend(describe_idle_balls(&design));
+        notes.extend(notes_on_size(&design, source));
         let order = order.filter(|_| found);
         Self { rows, found, reasons, notes, warnings, order, case }
     }
@@ -632,6 +622,20 @@ fn describe_not_calculated(reasons: &[String]) -> Option<String> {
     }
 }
 
+/// Returns notes on the size of a design in a list of sizes: an estimated ball diameter, the source
+/// of the size, and the balls that carry no load.
+///
+/// * `source`: source of the size; `None` if the size is not from a table of sizes.
+fn notes_on_size(design: &Design, source: Option<&SizeSource>) -> Vec<String> {
+    let Some(size) = &design.size else { return Vec::new() };
+    let is_estimated = size.offered.is_some_and(|offered| !offered.ball_is_printed);
+    let ball = is_estimated.then(|| {
+        "The ball diameter is an estimate; ask the manufacturer for the actual diameter.".to_owned()
+    });
+    let source = source.map(|source| describe_source(size, source));
+    ball.into_iter().chain(source).chain(describe_idle_balls(&design.nut)).collect()
+}
+
 /// Returns a note that states who lists a size and that the ratings are calculated.
 fn describe_source(size: &Size, source: &SizeSource) -> String {
     let SizeSource { manufacturer, catalog } = source;
@@ -647,10 +651,8 @@ fn describe_source(size: &Size, source: &SizeSource) -> String {
 }
 
 /// Returns a note on the balls of a turn that carry no load, or `None` if all balls carry load.
-fn describe_idle_balls(design: &Design) -> Option<String> {
-    let loaded = design.nut.balls_per_turn;
-    design.size?;
-    let nut = &design.nut;
+fn describe_idle_balls(nut: &Nut) -> Option<String> {
+    let loaded = nut.balls_per_turn;
     let fitting = ((nut.turn_length() - nut.ball_gap()) / nut.ball_diameter).round();
     (fitting - loaded >= 1.0).then(|| {
         format!(

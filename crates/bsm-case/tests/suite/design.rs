@@ -399,8 +399,8 @@ fn screw_without_load_is_selected_without_limits_of_life_and_safety() {
     let report = DesignReport::standard(&requirement, &catalog).expect("sizes");
     assert!(report.found, "{:?}", report.reasons);
     for name in ["cycle_life_h", "static_safety_factor", "buckling_safety"] {
-        let rows = report.rows.iter().filter(|row| row.name == name);
-        assert!(rows.into_iter().all(|row| row.value.is_none() && row.requirement.is_none()));
+        let mut rows = report.rows.iter().filter(|row| row.name == name);
+        assert!(rows.all(|row| row.value.is_none() && row.requirement.is_none()));
     }
     assert!(report.notes.iter().any(|note| note.starts_with("No axial load acts on the screw")));
     let texts = [&report.reasons, &report.notes, &report.warnings].map(|texts| texts.join(" "));
