@@ -66,7 +66,7 @@ pub use bsm_design::statistics::Band;
 pub use case::catalog::{Catalog, STANDARD_CATALOG};
 pub use case::catalog_keys::LISTS;
 pub use case::grid::{AxisValues, Grid, GridAxis};
-pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, column_names};
+pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, SizeSource, column_names};
 pub use case::nut::NutProblem;
 pub use case::problem::{ModelChoice, PLAY, Settings};
 pub use case::requirement::{REQUIREMENT_INPUTS, RequirementFile};

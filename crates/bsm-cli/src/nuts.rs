@@ -166,7 +166,11 @@ pub(crate) fn columns() -> String {
     let is_new = |output: &&Output| !sizes.iter().any(|known| known.name == output.name);
     let of_tables = bsm_case::table("manufacturer").flat_map(|quantity| quantity.columns);
     let of_list = sizes.iter().map(|column| {
-        let when = if column.is_of_sheet() { "with a requirement" } else { "" };
+        let when = match (column.is_of_sheet(), column.is_text()) {
+            (true, _) => "with a requirement",
+            (false, true) => "with a table of sizes",
+            (false, false) => "",
+        };
         row(&column.name, column.unit, column.about, when)
     });
     let when = "with --from TABLE.csv";

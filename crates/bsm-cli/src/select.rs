@@ -88,6 +88,8 @@ fn keys() -> String {
          defaults to 0.06. All rules of bsm axis are limits.\n\
          The program chooses lead_mm or lead_angle_deg, ball_diameter_mm, pitch_circle_diameter_mm,\n\
          contact_angle_deg, nut_conformity and loaded_turns, unless they are given.\n\
-         Each key is an input of a case (bsm schema input) or one of the following keys.\n\n{table}"
+         A key is one of the following keys, or an input of a case (bsm schema input) that describes the\n\
+         load, the axis, the lubricant or one of the sizes above. Other columns of the list of sizes, such as\n\
+         nominal_diameter_mm, are not keys; restrict them with --where nominal_diameter_mm=25.\n\n{table}"
     )
 }

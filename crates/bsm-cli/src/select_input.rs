@@ -75,5 +75,18 @@ pub(crate) fn requirement(
     let Some(path) = &args.requirement else { return Ok(None) };
     let requirement =
         RequirementFile::from_json(&read_json(path)?, &args.settings(), catalog.lists.clone());
-    requirement.map(Some).map_err(|e| Failure::case(path, &e))
+    requirement.map(Some).map_err(|e| Failure::case(path, &column_instead_of_key(e)))
+}
+
+/// Returns an error that points to `--where` if a key of a requirement is not known, but is a
+/// column of the list of sizes. Returns any other error unchanged.
+fn column_instead_of_key(error: CaseError) -> CaseError {
+    if let CaseError::Unknown { kind: NameKind::Requirement, name, .. } = &error
+        && ListColumn::of_sizes(true).iter().any(|column| column.name == *name)
+    {
+        return CaseError::Invalid(format!(
+            "`{name}` is not a key of a requirement, but a column of the list of sizes. To restrict it, use a condition such as --where {name}=VALUE"
+        ));
+    }
+    error
 }

@@ -6,7 +6,7 @@ use bsm_dyn::{Conformities, Materials};
 use rayon::prelude::*;
 
 use crate::nut::turn_length;
-use crate::{Elasticity, Nut, NutBody, NutSet, Range, Thread};
+use crate::{Elasticity, Make, Nut, NutBody, NutSet, Range, Thread};
 
 /// Number of balls per turn that carry no load because they are inside the ball return.
 pub(crate) const IDLE_BALLS: f64 = 4.0;
@@ -62,6 +62,10 @@ pub struct OfferedSize {
     /// True if the catalog states the ball diameter; false if it is calculated from pitch circle
     /// and core diameters.
     pub ball_is_printed: bool,
+    /// Manufacturing process of the screw; `None` if the list does not state it.
+    pub make: Option<Make>,
+    /// Index of the row in the table of sizes.
+    pub row: usize,
 }
 
 /// Limits that each size must satisfy, and values that all sizes share.
@@ -110,6 +114,11 @@ impl Size {
     /// Returns the number of thread starts.
     fn starts(&self) -> f64 {
         self.offered.map_or(1.0, |offered| offered.starts)
+    }
+
+    /// Returns the manufacturing process that the list of sizes states for the screw.
+    pub fn make(&self) -> Option<Make> {
+        self.offered?.make
     }
 }
 

@@ -65,6 +65,11 @@ impl Grade {
         GRADES.iter()
     }
 
+    /// Returns the number in the name of the grade. Finer grades have smaller numbers.
+    pub(crate) fn fineness(&self) -> Option<f64> {
+        self.name.trim_start_matches(char::is_alphabetic).parse().ok()
+    }
+
     /// Returns the permitted travel deviation `$e_p$` over a useful travel \[m\] (Z34), or `None`
     /// if the travel is outside the range of the table.
     pub fn deviation(&self, travel: f64) -> Option<f64> {

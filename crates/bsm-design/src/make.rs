@@ -26,7 +26,42 @@ pub enum Make {
     HighSpeed,
 }
 
+/// Finest grade in which manufacturers offer rolled screws, as the number in the name of the grade.
+///
+/// Source: HIWIN BS-08-2, chapter 4 (T5, T7 and T10); THK general catalog (C7, C8 and C10).
+const FINEST_ROLLED_GRADE: f64 = 5.0;
+
 impl Make {
+    /// Returns true if manufacturers offer screws of this make in the given grade. Rolled screws
+    /// are not offered in grades finer than 5.
+    pub fn is_offered_in(self, grade: &Grade) -> bool {
+        self != Self::Rolled || grade.fineness().is_none_or(|number| number >= FINEST_ROLLED_GRADE)
+    }
+
+    /// Returns true if a listed screw of the given make can be supplied in this make. A ball cage
+    /// or a high-speed ball return is an option of a ground screw.
+    fn is_supplied_as(self, listed: Self) -> bool {
+        self == listed || (listed == Self::Ground && self != Self::Rolled)
+    }
+
+    /// Returns true if a listed screw can be selected.
+    ///
+    /// * `listed`: make that the list of sizes states; `None` if the list does not state it.
+    /// * `required`: required make; `None` if any make is permitted.
+    /// * `grade`: required accuracy grade. If no make is required, it excludes rolled screws that
+    ///   are not offered in this grade.
+    pub(crate) fn may_be_selected(
+        listed: Option<Self>,
+        required: Option<Self>,
+        grade: Option<&Grade>,
+    ) -> bool {
+        match (listed, required) {
+            (None, _) => true,
+            (Some(listed), Some(required)) => required.is_supplied_as(listed),
+            (Some(listed), None) => grade.is_none_or(|grade| listed.is_offered_in(grade)),
+        }
+    }
+
     /// Returns the default limit of the speed number \[m·rad/s\].
     ///
     /// * `lead`, `land`: lead and outer diameter of the screw \[m\].
@@ -56,8 +91,7 @@ impl Make {
             return None;
         }
         let number = |text: &str| text.parse::<f64>().ok();
-        let fineness = |name: &str| number(name.trim_start_matches(char::is_alphabetic));
-        let own = grade.and_then(|grade| fineness(grade.name)).unwrap_or(f64::INFINITY);
+        let own = grade.and_then(Grade::fineness).unwrap_or(f64::INFINITY);
         let mut rows = MAX_LENGTHS.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let heads = rows.next()?;
         let far = |head: &str| number(head).map(|mm| (mm * 1e-3 / land).ln().abs());
@@ -93,6 +127,28 @@ mod tests {
         ] {
             // The tolerance allows for rounding errors in the unit conversion.
             assert_relative_eq!(workshop(make, lead, land), limit, max_relative = 1e-14);
+        }
+    }
+
+    /// Rolled screws are listed up to grade 5. A screw that is listed only as rolled is not ground,
+    /// and a ball cage is an option of a ground screw.
+    #[test]
+    fn a_listed_make_restricts_grade_and_required_make() {
+        use Make::{Caged, Ground, Rolled};
+        for (listed, required, grade, expected) in [
+            (Some(Rolled), None, Some("P3"), false),
+            (Some(Rolled), None, Some("C7"), true),
+            (Some(Rolled), None, None, true),
+            (Some(Ground), None, Some("P3"), true),
+            (Some(Rolled), Some(Rolled), Some("P3"), true),
+            (Some(Rolled), Some(Ground), None, false),
+            (Some(Ground), Some(Rolled), None, false),
+            (Some(Ground), Some(Caged), None, true),
+            (Some(Rolled), Some(Caged), None, false),
+            (None, Some(Rolled), Some("P3"), true),
+        ] {
+            let selected = Make::may_be_selected(listed, required, grade.and_then(Grade::named));
+            assert_eq!(selected, expected, "{listed:?} {required:?} {grade:?}");
         }
     }
 

@@ -215,8 +215,9 @@ pub struct Requirement {
     /// Upper limit of the speed number \[m·rad/s\]; defaults to the limit for the manufacturing
     /// process or the type of ball return.
     pub speed_number: Option<f64>,
-    /// Manufacturing process or type of ball return.
-    pub make: Make,
+    /// Manufacturing process or type of ball return. If it is `None`, a screw from a list of sizes
+    /// has the make that the list states, and other screws are ground.
+    pub make: Option<Make>,
     /// Accuracy grade, which limits the length of ground screws.
     pub grade: Option<&'static Grade>,
     /// Gear ratio and speed limit of the motor.
@@ -338,6 +339,21 @@ impl Requirement {
     /// the spacing is the land between neighboring grooves.
     pub const BALL_OVER_LEAD: f64 = 0.8;
 
+    /// Returns the make of a screw.
+    ///
+    /// * `size`: size of the screw in a list of sizes; `None` for continuous sizes.
+    fn make_of(&self, size: Option<&Size>) -> Make {
+        self.make.or_else(|| size?.make()).unwrap_or(Make::Ground)
+    }
+
+    /// Returns true if the make and the grade of the requirement permit the make that a list of
+    /// sizes states.
+    ///
+    /// * `listed`: make in the list of sizes; `None` if the list does not state it.
+    pub fn permits_make(&self, listed: Option<Make>) -> bool {
+        Make::may_be_selected(listed, self.make, self.grade)
+    }
+
     /// Returns the largest number of loaded turns that a search over continuous sizes tries.
     pub(crate) fn searched_turns(&self) -> f64 {
         self.largest_turns.unwrap_or(DEFAULT_MAX_TURNS)
@@ -424,9 +440,9 @@ pub struct Design {
     pub checks: Vec<Check>,
 }
 
-/// Function that returns the efficiency of a nut at an operating point, or `None` if the selected
-/// model has no solution.
-pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &PhasePoint) -> Option<f64> + Sync);
+/// Function that returns the efficiency of a design at its operating point, or `None` if the
+/// selected model has no solution. The checks of the design contain no efficiency.
+pub type EfficiencyOf<'a> = &'a (dyn Fn(&Design) -> Option<f64> + Sync);
 
 /// Reason why a design does not meet the rules that depend on the loads of all balls.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -567,13 +583,15 @@ impl Evaluated {
     }
 
     /// Returns the quantities of step 8, which describe the motion of the nut.
-    fn motion_checks(&self, requirement: &Requirement) -> Vec<Check> {
+    ///
+    /// * `make`: make of the screw, from which the default limit of the speed number follows.
+    fn motion_checks(&self, requirement: &Requirement, make: Make) -> Vec<Check> {
         let Self { nut, thread, axis, stroke, .. } = self;
         // s = r_m tanα φ                                                  (L7)
         let lead = self.travel_per_radian() * TAU;
         let most = requirement
             .speed_number
-            .unwrap_or_else(|| requirement.make.speed_number(nut.lead, thread.screw.land));
+            .unwrap_or_else(|| make.speed_number(nut.lead, thread.screw.land));
         let MotorLimit { gear_ratio, max_speed } = requirement.motor;
         vec![
             Check::unlimited(8, DesignQuantity::Lead, lead),
@@ -636,10 +654,12 @@ impl Evaluated {
 
     /// Returns the unsupported length, the inertia and the mass, which follow from the length of
     /// the screw.
-    fn size_checks(&self, requirement: &Requirement) -> Vec<Check> {
+    ///
+    /// * `make`: make of the screw, which limits its length.
+    fn size_checks(&self, requirement: &Requirement, make: Make) -> Vec<Check> {
         let Self { nut, body, thread, axis, length, .. } = self;
         let (screw, shaft) = (&axis.screw, axis.shaft.as_ref());
-        let longest = Bounds::at_most(requirement.make.longest(requirement.grade, screw.outer));
+        let longest = Bounds::at_most(make.longest(requirement.grade, screw.outer));
         let unsupported = shaft
             .map(|shaft| Check::new(11, DesignQuantity::UnsupportedLength, shaft.length, longest));
         let inertia =
@@ -660,25 +680,43 @@ impl Design {
     /// Source: procedure of Lin, Velinsky and Ravani (1994) for both directions, extended by load
     /// rating and life according to ISO 3408-5.
     pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
-        let evaluated = Evaluated::of(requirement, nut);
-        let phase = evaluated.phase;
-        let efficiency = efficiency.and_then(|of| of(&nut, &phase)).unwrap_or(f64::NAN);
-        let mut checks = evaluated.geometry_checks(requirement);
-        checks.extend(evaluated.motion_checks(requirement));
-        checks.extend(evaluated.contact_and_power_checks(requirement, efficiency));
-        checks.extend(requirement.rules(&evaluated.axis, evaluated.dynamic_rating));
-        checks.extend(evaluated.size_checks(requirement));
-        Self { nut, size: None, phase, checks }
+        Self::of_size(requirement, nut, None, efficiency)
     }
 
     /// Calculates the quantities of a nut from the lists, as [`of`](Self::of) does, and stores its
     /// size.
-    pub fn of_candidate(
+    pub fn of_candidate(requirement: &Requirement, candidate: &Candidate) -> Self {
+        Self::of_size(requirement, candidate.nut, Some(candidate.size), None)
+    }
+
+    /// Calculates the quantities of this design again, with the given efficiency.
+    #[must_use]
+    pub fn with_efficiency(&self, requirement: &Requirement, efficiency: EfficiencyOf<'_>) -> Self {
+        Self::of_size(requirement, self.nut, self.size, Some(efficiency))
+    }
+
+    fn of_size(
         requirement: &Requirement,
-        candidate: &Candidate,
+        nut: Nut,
+        size: Option<Size>,
         efficiency: Option<EfficiencyOf<'_>>,
     ) -> Self {
-        Self { size: Some(candidate.size), ..Self::of(requirement, candidate.nut, efficiency) }
+        let evaluated = Evaluated::of(requirement, nut);
+        let phase = evaluated.phase;
+        let make = requirement.make_of(size.as_ref());
+        let mut checks = evaluated.geometry_checks(requirement);
+        checks.extend(evaluated.motion_checks(requirement, make));
+        let place = checks.len();
+        let of_contacts = |efficiency| evaluated.contact_and_power_checks(requirement, efficiency);
+        checks.extend(of_contacts(f64::NAN));
+        checks.extend(requirement.rules(&evaluated.axis, evaluated.dynamic_rating));
+        checks.extend(evaluated.size_checks(requirement, make));
+        let mut design = Self { nut, size, phase, checks };
+        if let Some(efficiency) = efficiency.and_then(|of| of(&design)) {
+            let of_contacts = of_contacts(efficiency);
+            design.checks[place..place + of_contacts.len()].copy_from_slice(&of_contacts);
+        }
+        design
     }
 
     /// Returns true if all checks pass.

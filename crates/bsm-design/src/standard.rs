@@ -41,12 +41,9 @@ impl Requirement {
                 .fixed
                 .pitch_diameter
                 .is_none_or(|diameter| (candidate.nut.pitch_diameter - diameter).abs() <= 1e-9);
-            fits.then(|| Design::of_candidate(self, candidate, None))
+            fits.then(|| Design::of_candidate(self, candidate))
         });
-        let complete = |design: &Design| Design {
-            size: design.size,
-            ..Design::of(self, design.nut, Some(efficiency))
-        };
+        let complete = |design: &Design| design.with_efficiency(self, efficiency);
         let known = |check: &Check| !check.value.is_nan();
         let keeps = |design: &Design| design.checks.iter().filter(|c| known(c)).all(Check::passes);
         let limited = self.least_efficiency.is_some() || self.largest_power.is_some();
@@ -127,7 +124,8 @@ impl Requirement {
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9;
         let fits = |size: &&OfferedSize| {
             let FixedValues { ball, turns, .. } = self.fixed;
-            leads.iter().any(|lead| near(*lead, size.lead))
+            self.permits_make(size.make)
+                && leads.iter().any(|lead| near(*lead, size.lead))
                 && ball.is_none_or(|ball| near(ball, size.ball))
                 && turns.is_none_or(|turns| near(turns, size.turns))
         };

@@ -57,7 +57,7 @@ fn feed_drive() -> Requirement {
         material: Materials::alike(STEEL),
         pressure: 4.2e9,
         speed_number: Some(70.0 * PI / 30.0),
-        make: Make::Ground,
+        make: Some(Make::Ground),
         grade: None,
         motor: MotorLimit { gear_ratio: 1.0, max_speed: None },
         method: PreloadMethod::DoubleNut,
@@ -82,7 +82,7 @@ fn feed_drive() -> Requirement {
 
 /// Returns the efficiency from a closed formula, without solving a ball model.
 #[expect(clippy::unnecessary_wraps, reason = "the signature of a model that may have no solution")]
-fn efficiency(nut: &Nut, _point: &PhasePoint) -> Option<f64> {
+fn efficiency(Design { nut, .. }: &Design) -> Option<f64> {
     let angles = Angles { lead: nut.lead_angle(), contact: nut.contact_angle };
     Some(angles.efficiency(Direction::RotaryToLinear, 0.05))
 }

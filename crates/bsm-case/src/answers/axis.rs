@@ -21,7 +21,7 @@ use serde_json::json;
 
 use self::heat::Heating;
 pub use self::order::Order;
-pub(crate) use self::rules::rule_titles;
+pub(crate) use self::rules::{NO_LOAD, rule_titles};
 use self::state::AxisState;
 pub(crate) use self::sufficiency::missing_for_rule;
 pub(crate) use self::torques::quick_efficiency;
@@ -457,7 +457,7 @@ pub struct AxisReport {
 
 /// Returns the columns of the axis sheet that are used to compare nuts in a table.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
-    const NAMES: [OutputName; 14] = [
+    const NAMES: [OutputName; 15] = [
         output!(cycle_life_h),
         output!(critical_speed_ratio),
         output!(buckling_safety),
@@ -472,6 +472,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
         output!(inertia_of_screw_kg_m2),
         output!(warm_preload_N),
         output!(fold_speed_factor),
+        output!(unsupported_length_mm),
     ];
     let all = || QUANTITIES.iter().chain(WARM).flat_map(|quantity| quantity.columns);
     NAMES.into_iter().filter_map(move |name| all().find(|column| OutputName::from(*column) == name))

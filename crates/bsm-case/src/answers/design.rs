@@ -2,8 +2,7 @@
 
 use std::cell::RefCell;
 
-use bsm_design::catalog::Candidate;
-use bsm_design::motion::PhasePoint;
+use bsm_design::catalog::{Candidate, Size};
 use bsm_design::{
     ActiveLimit, BindingLimit, Bounds, Check, Design, DesignQuantity, Infeasibility, LoadCase, Nut,
     Outcome, Pitch, Rejection, Requirement,
@@ -12,10 +11,11 @@ use bsm_dyn::{Direction, ModelWorkspace};
 
 use super::axis::QUANTITIES as AXIS;
 use super::ratings::QUANTITIES as RATINGS;
-use crate::answers::axis::quick_efficiency;
+use crate::answers::axis::{NO_LOAD, quick_efficiency};
 use crate::answers::optimum::hard_to_make;
 use crate::answers::schema::CaseJson;
 use crate::vocabulary::answer::limits_in_words;
+use crate::vocabulary::entries::{Choice, Named};
 use crate::vocabulary::members::{Data, Label, Rows, Sentences, answer, row};
 use crate::vocabulary::number::{decimal, format_trimmed};
 use crate::vocabulary::quantity::quantities;
@@ -23,7 +23,8 @@ use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
     Answer, AxisReport, Case, CaseEntries, CaseError, Catalog, Criterion, INPUTS, Output,
-    OutputName, Quantity, REQUIREMENT_INPUTS, RequirementFile, Verdict, output, sheet_columns,
+    OutputName, Quantity, REQUIREMENT_INPUTS, RequirementFile, SizeSource, Verdict, output,
+    sheet_columns,
 };
 
 /// A result of the selection procedure, and the requirement on this result.
@@ -110,24 +111,31 @@ impl DesignReport {
     pub fn of(requirement: &RequirementFile) -> Self {
         let requirement =
             &RequirementFile { problem: requirement.problem.of_any_size(), ..requirement.clone() };
-        let efficiency = |nut: &Nut, point: &PhasePoint| efficiency(requirement, nut, point);
+        let efficiency = |design: &Design| efficiency(requirement, design);
         let outcome =
             requirement.problem.choose(&efficiency, &|design| accepted(requirement, design));
-        Self::from_outcome(requirement, outcome)
+        Self::from_outcome(requirement, outcome, None)
     }
 
     /// Searches for the best screw among standard sizes. Returns `None` if the lists contain no
     /// size for the requirement, for example if the requirement prescribes a lead angle.
     pub fn standard(requirement: &RequirementFile, catalog: &Catalog) -> Option<Self> {
-        let Catalog { lists, limits } = catalog;
+        let Catalog { lists, limits, .. } = catalog;
         let requirement = &requirement.within(catalog);
-        let efficiency = |nut: &Nut, point: &PhasePoint| efficiency(requirement, nut, point);
+        let efficiency = |design: &Design| efficiency(requirement, design);
         let accepted = |design: &Design| accepted(requirement, design);
         let outcome = requirement.problem.choose_standard(lists, limits, &efficiency, &accepted)?;
-        Some(Self::from_outcome(requirement, outcome))
+        Some(Self::from_outcome(requirement, outcome, Some(catalog)))
     }
 
-    fn from_outcome(requirement: &RequirementFile, outcome: Outcome) -> Self {
+    /// Describes the result of a search.
+    ///
+    /// * `catalog`: catalog whose sizes were searched; `None` for a search over continuous sizes.
+    fn from_outcome(
+        requirement: &RequirementFile,
+        outcome: Outcome,
+        catalog: Option<&Catalog>,
+    ) -> Self {
         let (design, mut reasons, mut found, not_calculated): (_, Vec<String>, _, _) = match outcome
         {
             Outcome::Found { design, active, rejected } => {
@@ -150,8 +158,9 @@ impl DesignReport {
                 (design, words, false, rejected.not_calculated)
             }
         };
-        let case = case(requirement, &design);
-        let offered = design.size.and_then(|size| size.offered);
+        let source = catalog.zip(design.size).and_then(|(catalog, size)| catalog.source_of(&size));
+        let mut case = case(requirement, &design);
+        case.entries.manufacturer = source.and_then(|source| source.manufacturer.clone());
         let axis_sheet = requirement.axis_sheet(&case);
         let why = match &axis_sheet {
             Ok(_) => None,
@@ -168,9 +177,8 @@ impl DesignReport {
         let has_sheet = sheet.is_some();
         let runs_away = sheet.as_ref().is_some_and(|sheet| sheet.phases.is_empty());
         let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
-        let of_sheet = |_: &Nut, _: &PhasePoint| efficiency;
         // The efficiency of a preloaded nut is calculated from all its balls.
-        let design = Design::of(&requirement.problem, design.nut, Some(&of_sheet));
+        let design = design.with_efficiency(&requirement.problem, &|_| efficiency);
         let order = sheet.as_ref().map(|sheet| sheet.order.to_string());
         let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
         // The order data are always accompanied by the warnings of the `axis` command.
@@ -181,7 +189,9 @@ impl DesignReport {
             "the motion of the requirement",
             Some(best).filter(|b| !b.is_nan()),
         ));
-        let has_reason = why.is_some() || runs_away;
+        let load = design.value(DesignQuantity::LargestLoad);
+        let is_unloaded = load == 0.0 && design.preload().is_none();
+        let has_reason = why.is_some() || runs_away || is_unloaded;
         warnings.extend(why);
         if !has_reason && design.value(DesignQuantity::Efficiency).is_nan() {
             let model = requirement.settings.model.name();
@@ -221,12 +231,8 @@ impl DesignReport {
         }
         let mut notes = requirement.notes.clone();
         notes.extend(describe_not_calculated(&not_calculated));
-        if offered.is_some_and(|size| !size.ball_is_printed) {
-            notes.push(
-                "The ball diameter is an estimate; ask the manufacturer for the actual diameter."
-                    .to_owned(),
-            );
-        }
+        notes.extend(is_unloaded.then(|| NO_LOAD.to_owned()));
+        notes.extend(notes_on_size(&design, source));
         let order = order.filter(|_| found);
         Self { rows, found, reasons, notes, warnings, order, case }
     }
@@ -269,7 +275,8 @@ impl RequirementFile {
 
     /// Returns true if a nut meets all limits of the requirement that can be checked without the
     /// loads of all balls. [`sheet_of`](Self::sheet_of) checks the other limits.
-    pub fn is_met_by(&self, nut: &Nut) -> bool {
+    pub fn is_met_by(&self, candidate: &Candidate) -> bool {
+        let nut = &candidate.nut;
         let of_pitch = |pitch: &Pitch| match pitch {
             Pitch::Lead(lead) => (lead - nut.lead).abs() < 1e-9,
             Pitch::Angle(angle) => (angle - nut.lead_angle()).abs() < 1e-9,
@@ -280,10 +287,13 @@ impl RequirementFile {
         };
         let Requirement { pitches, least_efficiency, largest_power, .. } = &self.problem;
         let limited = least_efficiency.is_some() || largest_power.is_some();
-        let efficiency = |nut: &Nut, point: &PhasePoint| efficiency(self, nut, point);
-        pitches.iter().any(of_pitch)
-            && keeps(&Design::of(&self.problem, *nut, None))
-            && (!limited || Design::of(&self.problem, *nut, Some(&efficiency)).is_feasible())
+        let efficiency = |design: &Design| efficiency(self, design);
+        if !self.problem.permits_make(candidate.size.make()) || !pitches.iter().any(of_pitch) {
+            return false;
+        }
+        let design = Design::of_candidate(&self.problem, candidate);
+        keeps(&design)
+            && (!limited || design.with_efficiency(&self.problem, &efficiency).is_feasible())
     }
 
     /// Calculates the axis sheet (see [`AxisReport`]) against which every selected, listed or
@@ -294,7 +304,7 @@ impl RequirementFile {
 
     /// Returns the case of a nut at the operating point that the requirement specifies.
     pub fn case_of(&self, candidate: &Candidate) -> Case {
-        case(self, &Design::of_candidate(&self.problem, candidate, None))
+        case(self, &Design::of_candidate(&self.problem, candidate))
     }
 
     /// Returns the outputs [`sheet_columns`] for a nut in the axis of the requirement, with NaN for
@@ -378,24 +388,24 @@ fn accepted(requirement: &RequirementFile, design: &Design) -> Result<(), Reject
     let mut broken: Vec<_> = requirement.objections(&sheet).collect();
     let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
     if by_all_balls {
-        let efficiency = |_: &Nut, _: &PhasePoint| sheet.number(EFFICIENCY);
-        let design = Design::of(&requirement.problem, design.nut, Some(&efficiency));
+        let efficiency = |_: &Design| sheet.number(EFFICIENCY);
+        let design = design.with_efficiency(&requirement.problem, &efficiency);
         let failing = design.checks.iter().filter(|check| !check.passes());
         broken.extend(failing.map(|check| step(check.quantity).name));
     }
     if broken.is_empty() { Ok(()) } else { Err(Rejection::Rules(broken)) }
 }
 
-/// Calculates the efficiency of the whole screw at a moment of a phase, with the model that the
-/// requirement specifies. Returns `None` if the model has no solution.
-fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> Option<f64> {
-    let case = case(requirement, &Design::of(&requirement.problem, *nut, None));
-    WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, point, work))
+/// Calculates the efficiency of the whole screw at the operating point of a design, with the model
+/// that the requirement specifies. Returns `None` if the model has no solution.
+fn efficiency(requirement: &RequirementFile, design: &Design) -> Option<f64> {
+    let (case, Design { nut, phase, .. }) = (case(requirement, design), design);
+    WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, phase, work))
 }
 
 /// Returns the case of a design in the axis of the requirement. The case contains the load that a
-/// given torque produces, the preload of a preload class, and the nominal diameter of a listed
-/// size.
+/// given torque produces, the preload of a preload class, and the nominal diameter and the make of
+/// a listed size.
 fn case(requirement: &RequirementFile, design: &Design) -> Case {
     let Design { nut, size, phase, .. } = design;
     let by_torque = matches!(requirement.problem.demand, LoadCase::Torque { .. });
@@ -418,7 +428,15 @@ fn case(requirement: &RequirementFile, design: &Design) -> Case {
         loaded_balls: Some(decimal(nut.balls_per_turn * nut.turns).max(1.0)),
         axial_load_N: if by_torque { Some(phase.load) } else { requirement.case.axial_load_N },
         preload_N: design.preload(),
-        entries: CaseEntries { preload_class: None, ..requirement.case.entries.clone() },
+        entries: CaseEntries {
+            preload_class: None,
+            screw_make: requirement
+                .case
+                .entries
+                .screw_make
+                .or_else(|| size.as_ref()?.make().map(Named)),
+            ..requirement.case.entries.clone()
+        },
         ..requirement.case.clone()
     }
 }
@@ -504,8 +522,9 @@ fn row(check: &Check) -> DesignRow {
         name,
         label,
         unit,
-        value: Some(in_unit(check, check.value)).filter(|value| !value.is_nan()),
-        requirement: required(check),
+        value: Some(in_unit(check, check.value)).filter(|value| value.is_finite()),
+        // Without a load, life and safety factors are unlimited.
+        requirement: required(check).filter(|_| !check.value.is_infinite()),
         passes: check.passes(),
     }
 }
@@ -533,11 +552,13 @@ fn describe_violation(rule: &Criterion) -> String {
     let limit = limit.map_or_else(String::new, number);
     let help =
         rule.remedy.as_ref().map_or_else(String::new, |help| format!("; this would need {help}"));
-    format!(
-        "{} must be {than} {limit}, but the best screw within the other limits has {}{help}",
-        label(name).unwrap_or(rule.title),
-        number(*value)
-    )
+    let rule = format!("{} must be {than} {limit}", label(name).unwrap_or(rule.title));
+    if value.is_nan() {
+        return format!(
+            "{rule}, but cannot be calculated for the best screw within the other limits{help}"
+        );
+    }
+    format!("{rule}, but the best screw within the other limits has {}{help}", number(*value))
 }
 
 fn in_unit(check: &Check, value: f64) -> f64 {
@@ -599,6 +620,47 @@ fn describe_not_calculated(reasons: &[String]) -> Option<String> {
             reasons.len()
         )),
     }
+}
+
+/// Returns notes on the size of a design in a list of sizes: an estimated ball diameter, the source
+/// of the size, and the balls that carry no load.
+///
+/// * `source`: source of the size; `None` if the size is not from a table of sizes.
+fn notes_on_size(design: &Design, source: Option<&SizeSource>) -> Vec<String> {
+    let Some(size) = &design.size else { return Vec::new() };
+    let is_estimated = size.offered.is_some_and(|offered| !offered.ball_is_printed);
+    let ball = is_estimated.then(|| {
+        "The ball diameter is an estimate; ask the manufacturer for the actual diameter.".to_owned()
+    });
+    let source = source.map(|source| describe_source(size, source));
+    ball.into_iter().chain(source).chain(describe_idle_balls(&design.nut)).collect()
+}
+
+/// Returns a note that states who lists a size and that the ratings are calculated.
+fn describe_source(size: &Size, source: &SizeSource) -> String {
+    let SizeSource { manufacturer, catalog } = source;
+    let make = size.make().map_or_else(String::new, |make| format!(" as {}", make.name()));
+    let pages = catalog.as_ref().map_or_else(String::new, |pages| format!(" ({pages})"));
+    let listed = match manufacturer {
+        Some(name) => format!("{name} lists this size{make}{pages}."),
+        None => format!("The table of sizes contains this size{make}{pages}."),
+    };
+    format!(
+        "{listed} The load ratings are calculated according to ISO 3408-5; ask the manufacturer for the ratings C_a and C_0a of the nut."
+    )
+}
+
+/// Returns a note on the balls of a turn that carry no load, or `None` if all balls carry load.
+fn describe_idle_balls(nut: &Nut) -> Option<String> {
+    let loaded = nut.balls_per_turn;
+    let fitting = ((nut.turn_length() - nut.ball_gap()) / nut.ball_diameter).round();
+    (fitting - loaded >= 1.0).then(|| {
+        format!(
+            "loaded_balls_per_turn = {}: {fitting} balls fit into a turn, of which {} are assumed to be in the ball return, where they carry no load (D18).",
+            format_trimmed(loaded),
+            format_trimmed(fitting - loaded)
+        )
+    })
 }
 
 /// Describes a limit that cannot be met, and states the best achievable value and the cause.

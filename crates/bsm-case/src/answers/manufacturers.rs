@@ -253,6 +253,27 @@ fn groove_or_reason(case: Case) -> Result<(Case, Option<String>), CaseError> {
     }
 }
 
+/// Describes ratings that few typical grooves with the dimensions of a row have.
+///
+/// * `case`: case of the nut with the ratings in the row.
+/// * `nut`: nut with the most probable groove.
+fn unusual_ratings(case: &Case, nut: &Nut) -> String {
+    let given = [
+        ("C_a", case.rated_dynamic_load_N, nut.dynamic_rating().rating),
+        ("C_0a", case.rated_static_load_N, nut.static_rating().rating),
+    ];
+    let given = given.into_iter().filter_map(|(symbol, given, calculated)| {
+        Some(format!(
+            "{symbol} is {} N in this row, but {calculated:.0} N for the most probable groove",
+            format_trimmed(given?)
+        ))
+    });
+    format!(
+        "few typical grooves with these dimensions have these ratings: {}; check ball diameter, turns and ratings",
+        given.collect::<Vec<_>>().join(", and ")
+    )
+}
+
 /// Text in the groove column of a nut whose groove is neither given nor estimated.
 const NO_GROOVE: &str = "none";
 
@@ -350,7 +371,9 @@ impl ManufacturerRow {
         nuts: &[ManufacturerNut],
         requirement: Option<&RequirementFile>,
     ) -> Result<Vec<Self>, (String, CaseError)> {
-        let inputs = ManufacturerNut::inputs(nuts);
+        let mut inputs = ManufacturerNut::inputs(nuts);
+        // With a requirement, a column of the axis sheet contains the unsupported length.
+        inputs.retain(|key| requirement.is_none() || *key != InputKey::unsupported_length_mm);
         let row = |nut: &ManufacturerNut| -> Result<Self, (String, CaseError)> {
             let mut row = Self::of(nut, requirement).map_err(|error| (nut.name.clone(), error))?;
             let input = |key: &InputKey| ListNumber {
@@ -390,9 +413,11 @@ impl ManufacturerRow {
         // belong to another nut.
         let other = calculated.transpose()?.and_then(|nut| rated_nut::compared(&at, &nut).err());
         let none = refused.as_ref().map(|_| NO_GROOVE.to_owned());
-        let unusual = at.has_unusual_groove().then(|| {
-            "few typical grooves with these dimensions have these ratings; check ball diameter, turns and ratings in this row".to_owned()
-        });
+        let unusual = if at.has_unusual_groove() {
+            Some(unusual_ratings(&nut.case, &rated_nut::nut(&at)?))
+        } else {
+            None
+        };
         let contradiction = refused.or(other.as_ref().map(CaseError::to_string)).or(unusual);
         // The first note, which describes the estimate itself, is skipped.
         let of_ratings = compared.notes.iter().skip(1).chain(&compared.warnings);
@@ -469,6 +494,16 @@ impl ManufacturerRow {
         match place.checked_sub(self.numbers.len()) {
             Some(place) => self.own[place].number(),
             None => self.numbers[place].value,
+        }
+    }
+
+    /// Returns the text in the column with the given name, or `None` if the cell is empty or the
+    /// table has no such column of text.
+    pub(crate) fn text_in(&self, name: &str) -> Option<&str> {
+        match name {
+            "nut" => Some(&self.name),
+            "manufacturer" => self.case.entries.manufacturer.as_deref(),
+            own => self.own.iter().find(|cell| cell.name == own)?.text(),
         }
     }
 

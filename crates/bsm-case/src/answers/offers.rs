@@ -144,7 +144,8 @@ const SMALLER_IS_BETTER: [OutputName; 6] = [
     output!(inertia_of_screw_kg_m2),
 ];
 /// Results for which neither a smaller nor a larger value is better.
-const NO_PREFERENCE: [OutputName; 2] = [output!(back_driving_torque_Nm), output!(warm_preload_N)];
+const NO_PREFERENCE: [OutputName; 3] =
+    [output!(back_driving_torque_Nm), output!(warm_preload_N), output!(unsupported_length_mm)];
 
 /// Returns the name of the better offer, `first` or `second`. Returns `None` if the values are
 /// equal or a value is missing.

@@ -315,7 +315,9 @@ impl AnswerSchema {
         Self::of("select", "select", || {
             let sizes = ObjectSchema::default()
                 .outputs(CATALOG.iter().flat_map(|quantity| quantity.columns))
-                .optional_outputs(sheet_columns());
+                .optional_outputs(sheet_columns())
+                .optional_member::<Option<String>>("make")
+                .optional_member::<Option<String>>("manufacturer");
             let nuts = ObjectSchema::default()
                 .optional_outputs(InputKey::ALL.into_iter().map(Output::input))
                 .outputs(COMPARED.iter().flat_map(|quantity| quantity.columns))

@@ -1,7 +1,7 @@
 //! Selection of nuts from lists, based on conditions that the nuts must meet.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{Range, RangeInclusive};
 
 use bsm_design::Nut;
@@ -15,12 +15,14 @@ use super::ratings::QUANTITIES as RATINGS;
 use crate::case::catalog_keys::LISTS;
 use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::column_values::ColumnValues;
+use crate::vocabulary::entries::Choice;
 use crate::vocabulary::number::{decimal, format_number, format_trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, GPA, MM, UM, UnitChange, convert};
 use crate::{
     AnalysisKind, Answer, CaseError, Catalog, Column, Content, DesignReport, DisplayUnits, INPUTS,
-    InputKey, NameKind, Output, RequirementFile, ShownColumn, Table, nearest, sheet_columns,
+    InputKey, NameKind, Output, RequirementFile, ShownColumn, Table, Verdict, nearest, output,
+    sheet_columns,
 };
 
 quantities! {
@@ -78,7 +80,27 @@ quantities! {
     }
 }
 
-/// A numeric column of a list of nuts.
+/// Columns with the text of a table of sizes.
+const SIZE_TEXTS: [(&str, &str); 2] = [
+    ("make", "make of the screw in the list of sizes, ground or rolled"),
+    ("manufacturer", "manufacturer that lists the size"),
+];
+
+/// Columns with the text of a manufacturer's table that a condition can name.
+const ROW_TEXTS: [(&str, &str); 2] = [
+    ("nut", "name of the nut, or the number of its row"),
+    ("manufacturer", "manufacturer of the nut"),
+];
+
+/// Column of the axis sheet that the screen shows only if a condition or the sort order names it.
+const UNSUPPORTED_LENGTH: &str = output!(unsupported_length_mm).name();
+
+/// Returns true if the screen shows a column of the axis sheet.
+fn is_shown_of_sheet(output: &Output) -> bool {
+    output.analysis() != Some(AnalysisKind::Warm) && output.name != UNSUPPORTED_LENGTH
+}
+
+/// A column of a list of nuts.
 #[derive(Debug, Clone)]
 pub struct ListColumn {
     place: usize,
@@ -90,6 +112,8 @@ pub struct ListColumn {
     pub about: &'static str,
     is_of_sheet: bool,
     is_shown: bool,
+    /// True for a column of text, whose cells can only be compared with a text.
+    is_text: bool,
 }
 
 impl ListColumn {
@@ -101,24 +125,41 @@ impl ListColumn {
         });
         let of_nut = of_nut.map(|(output, is_hidden)| (output, false, !is_hidden));
         let of_sheet = sheet_columns().filter(|_| has_sheets);
-        let is_warm = |output: &Output| output.analysis() == Some(AnalysisKind::Warm);
-        let all = of_nut.chain(of_sheet.map(|output| (output, true, !is_warm(output))));
-        all.enumerate()
+        let all = of_nut.chain(of_sheet.map(|output| (output, true, is_shown_of_sheet(output))));
+        let numbers = all
+            .enumerate()
             .map(|(place, (output, is_of_sheet, is_shown))| Self {
                 is_of_sheet,
                 is_shown,
                 ..Self::of_output(place, output)
             })
-            .collect()
+            .collect();
+        Self::with_texts(numbers, &SIZE_TEXTS)
     }
 
-    /// Returns the columns of a manufacturer's table, followed by the numeric columns that the
-    /// program does not know, such as a price. The screen does not show the columns of inputs.
+    /// Appends columns of text with the given names and meanings.
+    fn with_texts(mut columns: Vec<Self>, texts: &[(&'static str, &'static str)]) -> Vec<Self> {
+        let first = columns.len();
+        columns.extend(texts.iter().enumerate().map(|(place, (name, about))| Self {
+            place: first + place,
+            name: (*name).into(),
+            unit: "",
+            about,
+            is_of_sheet: false,
+            is_shown: true,
+            is_text: true,
+        }));
+        columns
+    }
+
+    /// Returns the columns of a manufacturer's table, followed by the columns that the program does
+    /// not know, such as a price or a supplier. The screen does not show the columns of inputs.
     pub fn of_rows(rows: &[ManufacturerRow]) -> Vec<Self> {
         let Some(first) = rows.first() else { return Vec::new() };
         let column = |(place, number): (usize, &ListNumber)| {
             let output = number.column;
-            Self { is_shown: !output.is_input(), ..Self::of_output(place, output) }
+            let is_shown = !output.is_input() && output.name != UNSUPPORTED_LENGTH;
+            Self { is_shown, ..Self::of_output(place, output) }
         };
         let own = |(place, own): (usize, &OwnCell)| Self {
             place: first.numbers.len() + place,
@@ -127,10 +168,11 @@ impl ListColumn {
             about: "column of the table that has no effect on the calculation",
             is_of_sheet: false,
             is_shown: true,
+            is_text: !own.is_numeric(),
         };
         let numbers = first.numbers.iter().enumerate().map(column);
-        let is_numeric = |(_, own): &(usize, &OwnCell)| own.is_numeric();
-        numbers.chain(first.own.iter().enumerate().filter(is_numeric).map(own)).collect()
+        let own = first.own.iter().enumerate().map(own);
+        Self::with_texts(numbers.chain(own).collect(), &ROW_TEXTS)
     }
 
     fn of_output(place: usize, output: &'static Output) -> Self {
@@ -141,6 +183,7 @@ impl ListColumn {
             about: output.about,
             is_of_sheet: false,
             is_shown: true,
+            is_text: false,
         }
     }
 
@@ -164,30 +207,54 @@ impl ListColumn {
         })
     }
 
+    /// Returns true if the column contains text.
+    pub fn is_text(&self) -> bool {
+        self.is_text
+    }
+
     /// Returns true if the column belongs to the axis sheet.
     pub fn is_of_sheet(&self) -> bool {
         self.is_of_sheet
     }
 
+    /// Returns the number of a size in this column. The column must not be a column of text.
     fn read(&self, nut: &Candidate, sheet: &[f64]) -> f64 {
         match self.place.checked_sub(CATALOG.len()) {
             Some(place) => sheet[place],
             None => read::READ[self.place](nut)[0].unwrap_or(f64::NAN),
         }
     }
+
+    /// Returns the text of a size in this column, or `None` if the table of sizes does not state
+    /// it. The column must be a column of text.
+    fn read_text<'a>(&self, nut: &Candidate, catalog: &'a Catalog) -> Option<&'a str> {
+        match self.name.as_ref() {
+            "make" => nut.size.make().map(Choice::name),
+            _ => catalog.source_of(&nut.size)?.manufacturer.as_deref(),
+        }
+    }
 }
 
-/// A condition on a column, stored as the range of permitted values.
+/// A condition on a column.
 #[derive(Debug, Clone)]
 pub struct Condition {
     text: String,
     column: ListColumn,
-    range: RangeInclusive<f64>,
+    permitted: Permitted,
+}
+
+/// Values that a condition permits.
+#[derive(Debug, Clone)]
+enum Permitted {
+    /// Range of numbers.
+    Range(RangeInclusive<f64>),
+    /// A text.
+    Text(String),
 }
 
 impl Condition {
-    /// Parses `name>=value`, `name<=value` or `name=value`. The name may end with a different unit
-    /// than the column.
+    /// Parses `name>=number`, `name<=number`, `name=number` or, for a column of text, `name=text`.
+    /// The name may end with a different unit than the column.
     ///
     /// * `columns`: columns of the list to which the condition applies.
     ///
@@ -209,6 +276,16 @@ impl Condition {
         }
         let (column, change) = ListColumn::named(text[..at].trim(), columns)?;
         let given = text[at + sign.len()..].trim();
+        if column.is_text {
+            if sign != "=" {
+                return Err(CaseError::Invalid(format!(
+                    "in `{text}`, `{}` is a column of text; its condition has the form name=text",
+                    column.name
+                )));
+            }
+            let permitted = Permitted::Text(given.to_owned());
+            return Ok(Self { text: text.to_owned(), column, permitted });
+        }
         let value: f64 = given.parse().unwrap_or(f64::NAN);
         if value.is_nan() {
             let why =
@@ -224,23 +301,58 @@ impl Condition {
             "<=" => f64::NEG_INFINITY..=value + near,
             _ => value - near..=value + near,
         };
-        Ok(Self { text: text.to_owned(), column, range })
+        Ok(Self { text: text.to_owned(), column, permitted: Permitted::Range(range) })
     }
 
     /// Returns true if a nut meets the condition.
     ///
     /// * `sheet`: results for the nut on its axis sheet.
-    pub fn is_met(&self, nut: &Candidate, sheet: &[f64]) -> bool {
-        self.range.contains(&self.column.read(nut, sheet))
+    pub fn is_met(&self, nut: &Candidate, catalog: &Catalog, sheet: &[f64]) -> bool {
+        match &self.permitted {
+            Permitted::Range(range) => range.contains(&self.column.read(nut, sheet)),
+            Permitted::Text(text) => self.column.read_text(nut, catalog) == Some(text),
+        }
     }
 
-    /// Returns the value that comes closest to meeting the condition, or `None` if there are no
-    /// values.
-    fn nearest_of(&self, values: &[f64]) -> Option<f64> {
-        let miss = |value: f64| (self.range.start() - value).max(value - self.range.end());
-        values.iter().copied().min_by(|a, b| miss(*a).total_cmp(&miss(*b)))
+    /// Returns true if a row of a manufacturer's table meets the condition.
+    fn is_met_by_row(&self, row: &ManufacturerRow) -> bool {
+        match &self.permitted {
+            Permitted::Range(range) => {
+                row.number_at(self.column.place).is_some_and(|number| range.contains(&number))
+            }
+            Permitted::Text(text) => row.text_in(&self.column.name) == Some(text),
+        }
+    }
+
+    /// Describes which of the given nuts comes closest to meeting the condition: its number, or the
+    /// texts in the column. Returns `None` if no nut has a value.
+    ///
+    /// * `number`, `text`: functions that return the number and the text of a nut in the column.
+    /// * `format`: function that formats a number.
+    fn nearest_of<N>(
+        &self,
+        nuts: &[N],
+        number: impl Fn(&N) -> Option<f64>,
+        text: impl Fn(&N) -> Option<String>,
+        format: fn(f64) -> String,
+    ) -> Option<String> {
+        match &self.permitted {
+            Permitted::Range(range) => {
+                let miss = |value: f64| (range.start() - value).max(value - range.end());
+                let values = nuts.iter().filter_map(number);
+                values.min_by(|a, b| miss(*a).total_cmp(&miss(*b))).map(format)
+            }
+            Permitted::Text(_) => {
+                let texts: BTreeSet<_> = nuts.iter().filter_map(text).collect();
+                let first: Vec<_> = texts.into_iter().take(MAX_LISTED_TEXTS).collect();
+                (!first.is_empty()).then(|| first.join(", "))
+            }
+        }
     }
 }
+
+/// Largest number of texts that a reason for an empty list states.
+const MAX_LISTED_TEXTS: usize = 10;
 
 /// Converts a nut to a JSON object whose keys are the names of the columns.
 pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
@@ -259,6 +371,9 @@ pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFil
     nut.retain(|name, _| is_size(name) && INPUTS.iter().any(|input| input.name == name));
     for number in nut.values_mut() {
         *number = json!(number.as_f64().map(decimal));
+    }
+    if let Some(make) = candidate.size.make() {
+        nut.insert("screw_make".to_owned(), json!(make.name()));
     }
     let Nut { starts, material: Materials { raceways, ball: _ }, .. } = candidate.nut;
     if starts > 1.0 {
@@ -307,7 +422,7 @@ impl NutFilter {
     ///
     /// # Errors
     ///
-    /// Returns [`CaseError::Unknown`] for an unknown column.
+    /// Returns [`CaseError`] for an unknown column and for a column of text.
     pub fn sorted_by(
         self,
         name: &str,
@@ -315,6 +430,11 @@ impl NutFilter {
         columns: &[ListColumn],
     ) -> Result<Self, CaseError> {
         let (column, _) = ListColumn::named(name, columns)?;
+        if column.is_text {
+            return Err(CaseError::Invalid(format!(
+                "`{name}` is a column of text, but sorting needs a column of numbers"
+            )));
+        }
         Ok(Self { order: Some((column, descending)), ..self })
     }
 
@@ -331,10 +451,7 @@ impl NutFilter {
         let places = || 0..u32::try_from(rows.len()).unwrap_or(u32::MAX);
         let number = |place: u32, column: &ListColumn| rows[place as usize].number_at(column.place);
         let meets = |place: &u32| {
-            self.of_nut.iter().all(|condition| {
-                number(*place, &condition.column)
-                    .is_some_and(|value| condition.range.contains(&value))
-            })
+            self.of_nut.iter().all(|condition| condition.is_met_by_row(&rows[*place as usize]))
         };
         let within: Vec<_> = places().filter(meets).collect();
         let mut chosen = if self.pareto {
@@ -357,17 +474,30 @@ impl NutFilter {
             });
         }
         let near = |condition: &Condition| {
-            let values: Vec<_> =
-                places().filter_map(|place| number(place, &condition.column)).collect();
-            let value = condition.nearest_of(&values);
-            let value = value.map_or_else(
-                || "has no value".to_owned(),
-                |value| format!("has {}", format_trimmed(value)),
-            );
-            format!("{}: the nearest of {} nuts {value}", condition.text, rows.len())
+            let Condition { text, column, permitted } = condition;
+            let number = |row: &ManufacturerRow| row.number_at(column.place);
+            let of_row = |row: &ManufacturerRow| row.text_in(&column.name).map(str::to_owned);
+            let nearest = condition.nearest_of(&rows, number, of_row, format_trimmed);
+            match (permitted, nearest) {
+                (Permitted::Range(_), Some(value)) => {
+                    format!("{text}: the nearest of {} nuts has {value}", rows.len())
+                }
+                (Permitted::Range(_), None) => {
+                    format!("{text}: the nearest of {} nuts has no value", rows.len())
+                }
+                (Permitted::Text(_), texts) => describe_texts(text, rows.len(), texts),
+            }
         };
         let why =
             if within.is_empty() { self.of_nut.iter().map(near).collect() } else { Vec::new() };
+        let mut notes = Vec::new();
+        let is_failing = |place: &u32| rows[*place as usize].verdict == Some(Verdict::Fails);
+        if let (Some((column, _)), true) = (&self.order, chosen.iter().any(is_failing)) {
+            notes.push(format!(
+                "Nuts that pass all rules come first, and nuts that fail a rule come last. Each of these groups is sorted by {}.",
+                column.name
+            ));
+        }
         NutList {
             columns: ListColumn::of_rows(&rows),
             all: rows.len(),
@@ -376,6 +506,7 @@ impl NutFilter {
             named: self.named_columns(),
             reasons: why,
             warnings: Vec::new(),
+            notes,
             rows: Rows::Table(rows),
         }
     }
@@ -390,8 +521,10 @@ impl NutFilter {
         let requirement = requirement.as_ref();
         let all = catalog.indices();
         let keeps =
-            |nut: &Candidate| requirement.is_none_or(|requirement| requirement.is_met_by(&nut.nut));
-        let meets = |nut: &Candidate| self.of_nut.iter().all(|c| c.is_met(nut, &[])) && keeps(nut);
+            |nut: &Candidate| requirement.is_none_or(|requirement| requirement.is_met_by(nut));
+        let meets = |nut: &Candidate| {
+            self.of_nut.iter().all(|c| c.is_met(nut, &catalog, &[])) && keeps(nut)
+        };
         let within = catalog.map(&all, |place, nut| meets(nut).then_some(place));
         let mut found = Found { within, ..Found::default() };
         if found.within.is_empty() {
@@ -437,13 +570,16 @@ impl NutFilter {
     /// Creates the list of nuts from the sizes that the catalog search found.
     fn list(&self, catalog: Catalog, all: usize, has_sheets: bool, found: Found) -> NutList {
         let Found { within, chosen, sheets, reasons, warnings } = found;
+        let mut columns = ListColumn::of_sizes(has_sheets);
+        columns.retain(|column| !column.is_text || !catalog.sources.is_empty());
         NutList {
-            columns: ListColumn::of_sizes(has_sheets),
+            columns,
             all,
             within,
             chosen,
             reasons,
             warnings,
+            notes: Vec::new(),
             named: self.named_columns(),
             rows: Rows::Sizes { catalog, sheets },
         }
@@ -459,8 +595,9 @@ impl NutFilter {
     ) {
         let sheet = |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(nut)?));
         let sheets = catalog.map(&found.within, sheet);
-        let meets_sheet =
-            |nut: &Candidate, sheet: &[f64]| self.of_sheet.iter().all(|c| c.is_met(nut, sheet));
+        let meets_sheet = |nut: &Candidate, sheet: &[f64]| {
+            self.of_sheet.iter().all(|c| c.is_met(nut, catalog, sheet))
+        };
         found.within = sheets
             .iter()
             .filter(|(_, nut, sheet)| meets_sheet(nut, sheet))
@@ -470,12 +607,12 @@ impl NutFilter {
             found.reasons = blocking_limits(requirement, catalog);
         } else if found.within.is_empty() {
             let near = |condition: &Condition| {
-                let values: Vec<_> = sheets
-                    .iter()
-                    .map(|(_, nut, sheet)| condition.column.read(nut, sheet))
-                    .collect();
-                let value = condition.nearest_of(&values).map_or_else(String::new, format_number);
-                format!("{}: the nearest of {} nuts has {value}", condition.text, values.len())
+                let number = |(_, nut, sheet): &(u32, Candidate, Vec<f64>)| {
+                    Some(condition.column.read(nut, sheet))
+                };
+                let value = condition.nearest_of(&sheets, number, |_| None, format_number);
+                let value = value.unwrap_or_default();
+                format!("{}: the nearest of {} nuts has {value}", condition.text, sheets.len())
             };
             found.reasons = self.of_sheet.iter().map(near).collect();
         }
@@ -495,24 +632,41 @@ impl NutFilter {
         let without = |(i, condition): (usize, &Condition)| {
             let others = |nut: &Candidate| {
                 let mut conditions = self.of_nut.iter().enumerate();
-                keeps(nut) && conditions.all(|(j, c)| j == i || c.is_met(nut, &[]))
+                keeps(nut) && conditions.all(|(j, c)| j == i || c.is_met(nut, catalog, &[]))
             };
-            let read = |nut: &Candidate| condition.column.read(nut, &[]);
-            let rest = catalog.map(all, |_, nut| others(nut).then(|| read(nut)));
-            let text = &condition.text;
-            match condition.nearest_of(&rest) {
-                Some(value) => {
-                    let (nuts, value) = (rest.len(), format_number(value));
+            let rest = catalog.map(all, |_, nut| others(nut).then_some(*nut));
+            let Condition { text, column, permitted } = condition;
+            let number = |nut: &Candidate| Some(column.read(nut, &[]));
+            let of_nut = |nut: &Candidate| column.read_text(nut, catalog).map(str::to_owned);
+            let nearest = condition.nearest_of(&rest, number, of_nut, format_number);
+            let nuts = rest.len();
+            match (permitted, nearest) {
+                _ if rest.is_empty() => format!("even without {text}, no nut remains"),
+                (Permitted::Range(_), nearest) => {
+                    let value = nearest.unwrap_or_default();
                     format!(
                         "without {text}, {nuts} nuts remain; the value closest to this condition is {value}"
                     )
                 }
-                None => format!("even without {text}, no nut remains"),
+                (Permitted::Text(_), texts) => {
+                    let column = describe_texts(text, nuts, texts);
+                    format!("without {text}, {nuts} nuts remain; {column}")
+                }
             }
         };
         let count = format!("none of the {} nuts in the list meets all conditions", all.len());
         let reasons = self.of_nut.iter().enumerate().map(without);
         std::iter::once(count).chain(reasons).collect()
+    }
+}
+
+/// Returns a text that states which texts a column of the given number of nuts contains.
+///
+/// * `texts`: texts in the column, separated by commas; `None` if all cells are empty.
+fn describe_texts(condition: &str, nuts: usize, texts: Option<String>) -> String {
+    match texts {
+        Some(texts) => format!("{condition}: the column of {nuts} nuts contains {texts}"),
+        None => format!("{condition}: the column of {nuts} nuts is empty"),
     }
 }
 
@@ -570,6 +724,8 @@ pub struct NutList {
     pub reasons: Vec<String>,
     /// Warnings from the axis sheet of the first nut.
     pub warnings: Vec<String>,
+    /// Notes on the order of the nuts.
+    notes: Vec<String>,
     columns: Vec<ListColumn>,
     /// Indices of the columns that occur in the conditions or in the sort order.
     named: Vec<usize>,
@@ -596,7 +752,13 @@ impl NutList {
         match &self.rows {
             Rows::Sizes { catalog, .. } => {
                 let nut = catalog.map(&[place], |_, nut| Some(*nut));
-                nut.first().map_or(Value::Null, |nut| candidate_case(nut, requirement))
+                let Some(nut) = nut.first() else { return Value::Null };
+                let mut case = candidate_case(nut, requirement);
+                let source = catalog.source_of(&nut.size);
+                if let Some(name) = source.and_then(|source| source.manufacturer.as_ref()) {
+                    case["manufacturer"] = json!(name);
+                }
+                case
             }
             Rows::Table(rows) => rows[place as usize].case.to_json(),
         }
@@ -617,7 +779,8 @@ impl NutList {
         if let (Rows::Sizes { .. }, Some(name)) = (&self.rows, missing) {
             return Err(CaseError::Invalid(format!(
                 "`{name}` is a column only of a manufacturer's table (--from TABLE.csv). A list of sizes contains only nuts that meet the requirement; \
-                 `bsm select --show columns` lists all its columns"
+                 `bsm select --show columns` lists all its columns. To see which limits exclude the other sizes, omit --columns: \
+                 the command then chooses the best screw and states the active limits"
             )));
         }
         ShownColumn::select(&self.heads(), wanted, display)
@@ -647,6 +810,12 @@ impl NutList {
                 let of = |place| sheets.get(&place).map_or(&[][..], Vec::as_slice);
                 let rows = catalog.map(chosen, |place, nut| Some((*nut, of(place))));
                 let values = |column: &ListColumn| {
+                    if column.is_text {
+                        let text = |(nut, _): &(Candidate, &[f64])| {
+                            column.read_text(nut, catalog).map(str::to_owned)
+                        };
+                        return ColumnValues::Texts(rows.iter().map(text).collect());
+                    }
                     ColumnValues::Numbers(
                         rows.iter().map(|(nut, sheet)| column.read(nut, sheet)).collect(),
                     )
@@ -724,6 +893,7 @@ impl NutList {
                 ManufacturerRow::answer(&self.rows_of(&self.chosen), count, is_shown)
             }
         };
+        answer.notes.extend(self.notes.iter().cloned());
         answer.notes.extend(self.reasons.iter().map(|why| format!("no nut was selected: {why}")));
         answer.fails |= !self.reasons.is_empty();
         let more = self.chosen.len() - count;

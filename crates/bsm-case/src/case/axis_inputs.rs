@@ -316,7 +316,12 @@ pub(crate) fn preload(case: &Case) -> Result<(Option<PreloadSize>, Option<f64>),
 
 /// Returns the manufacturing method of the screw.
 pub(crate) fn make(case: &Case) -> Make {
-    case.entries.screw_make.map_or(Make::Ground, |Named(make)| make)
+    given_make(case).unwrap_or(Make::Ground)
+}
+
+/// Returns the manufacturing method of the screw, or `None` if the case does not state it.
+pub(crate) fn given_make(case: &Case) -> Option<Make> {
+    case.entries.screw_make.map(|Named(make)| make)
 }
 
 /// Returns the ratio of the life at the given reliability to the life at a reliability of 90 %.

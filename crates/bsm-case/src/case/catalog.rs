@@ -1,12 +1,12 @@
 //! Catalog of nuts: lists of sizes, and limits for their combinations.
 
 use bsm_design::Range;
-use bsm_design::catalog::{Candidate, Limits, Lists, OfferedSize, front};
+use bsm_design::catalog::{Candidate, Limits, Lists, OfferedSize, Size, front};
 use bsm_dyn::{Material, Materials};
 use serde_json::{Map, Value};
 
 use crate::case::catalog_keys::ListKey;
-use crate::case::manufacturer_sizes::{offered_sizes, read_sizes};
+use crate::case::manufacturer_sizes::{SizeSource, SizeTable, offered_sizes, read_sizes};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::error;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
@@ -32,6 +32,8 @@ pub struct Catalog {
     pub lists: Lists,
     /// Limits for combinations of sizes.
     pub limits: Limits,
+    /// Source of each row of a table of sizes; empty for lists that are combined.
+    pub sources: Vec<SizeSource>,
 }
 
 impl Catalog {
@@ -68,10 +70,11 @@ impl Catalog {
         Self::of_sizes(&read_sizes(table, format)?).map(Some)
     }
 
-    fn of_sizes(sizes: &[OfferedSize]) -> Result<Self, CaseError> {
+    fn of_sizes(SizeTable { sizes, sources }: &SizeTable) -> Result<Self, CaseError> {
         let mut all_sizes = Self::standard()?;
+        all_sizes.sources.clone_from(sources);
         let Self { lists, limits, .. } = &mut all_sizes;
-        lists.offered = sizes.to_vec();
+        lists.offered.clone_from(sizes);
         let all = |number: fn(&OfferedSize) -> f64| {
             let mut all: Vec<_> = lists.offered.iter().map(number).collect();
             all.sort_by(f64::total_cmp);
@@ -109,6 +112,11 @@ impl Catalog {
             given.set(&key, &value)?;
         }
         given.catalog()
+    }
+
+    /// Returns the source of a size, or `None` if the size is a combination of lists.
+    pub fn source_of(&self, size: &Size) -> Option<&SizeSource> {
+        self.sources.get(size.offered?.row)
     }
 
     /// Returns the indices of all combinations that meet the limits, in the order of the lists. An
@@ -245,6 +253,6 @@ impl ListEntries {
             preload: self.number(K::preload_over_dynamic_rating, 1.0),
             rolling_lever: self.number(K::rolling_friction_mm, MM),
         };
-        Ok(Catalog { lists, limits })
+        Ok(Catalog { lists, limits, sources: Vec::new() })
     }
 }

@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use bsm_design::Make;
 use bsm_design::catalog::OfferedSize;
 use serde_json::Value;
 
 use crate::vocabulary::cells::Cells;
+use crate::vocabulary::entries::Choice;
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::units::{MM, UnitChange, convert};
 use crate::{CaseError, INPUTS, LISTS, NameKind, Rule, TableFormat, entries, nearest};
@@ -21,29 +23,51 @@ use crate::{CaseError, INPUTS, LISTS, NameKind, Rule, TableFormat, entries, near
 pub const MANUFACTURER_SIZES: &str = include_str!("manufacturer_sizes.csv");
 
 /// Columns of a table of sizes that are not named after an input.
-const TEXT_COLUMNS: [&str; 5] = ["core_diameter_mm", "ball", "turns", "make", "source"];
+const TEXT_COLUMNS: [&str; 6] =
+    ["core_diameter_mm", "ball", "turns", "make", "manufacturer", "source"];
 
-static SIZES: LazyLock<Vec<OfferedSize>> = LazyLock::new(|| {
+/// Word in the column `make` for a size that is offered as a ground screw and as a rolled screw.
+const BOTH_MAKES: &str = "both";
+
+/// Manufacturer that offers a size, and the catalog that lists the size.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct SizeSource {
+    /// Name of the manufacturer; `None` if the table does not state it.
+    pub manufacturer: Option<String>,
+    /// Name and pages of the catalog; `None` if the table does not state them.
+    pub catalog: Option<String>,
+}
+
+/// Sizes that manufacturers offer.
+#[derive(Debug)]
+pub(crate) struct SizeTable {
+    pub(crate) sizes: Vec<OfferedSize>,
+    /// Source of each row of the table.
+    pub(crate) sources: Vec<SizeSource>,
+}
+
+static SIZES: LazyLock<SizeTable> = LazyLock::new(|| {
     read_sizes(MANUFACTURER_SIZES.as_bytes(), &TableFormat::default())
         .expect("the table is compiled in")
 });
 
 /// Reads a table of sizes. A cell of the column `turns`, such as 1.8x2/1.8x4, lists alternatives.
 /// Each alternative states the turns per circuit and the number of parallel circuits, which equals
-/// the number of starts. Each alternative becomes a separate size.
+/// the number of starts. Each alternative becomes a separate size. If the column `make` contains
+/// the word both, the ground screw and the rolled screw are separate sizes.
 ///
 /// # Errors
 ///
 /// Returns a [`CaseError`] that names the row or the column that is invalid.
-pub(crate) fn read_sizes(
-    table: &[u8],
-    format: &TableFormat,
-) -> Result<Vec<OfferedSize>, CaseError> {
+pub(crate) fn read_sizes(table: &[u8], format: &TableFormat) -> Result<SizeTable, CaseError> {
     let cells = Cells::read(table, format)?;
     let columns = cells.columns(|name| manufacturer_column(name, format, &TEXT_COLUMNS))?;
-    let sizes = cells.each(&columns, |_, row| {
+    let rows = cells.each(&columns, |number, row| {
         // Ball diameters in a user's table are treated as published values.
-        let mut size = OfferedSize { ball_is_printed: true, ..OfferedSize::default() };
+        let mut size =
+            OfferedSize { ball_is_printed: true, row: number - 1, ..OfferedSize::default() };
+        let mut makes = vec![None];
+        let mut source = SizeSource::default();
         let mut all_turns: Vec<(f64, f64)> = Vec::new();
         for ((word, change), text) in row {
             let number = |text: &str| {
@@ -70,6 +94,9 @@ pub(crate) fn read_sizes(
                     };
                     all_turns = text.split('/').map(one).collect::<Result<_, CaseError>>()?;
                 }
+                "make" => makes = makes_of(text)?,
+                "manufacturer" => source.manufacturer = Some(text.to_owned()),
+                "source" => source.catalog = Some(text.to_owned()),
                 _ => {}
             }
         }
@@ -82,18 +109,35 @@ pub(crate) fn read_sizes(
         ];
         match needed.into_iter().find(|(_, given)| !given) {
             Some((name, _)) => Err(CaseError::Invalid(format!("{name} is missing"))),
-            None => Ok(all_turns.into_iter().map(move |(turns, starts)| OfferedSize {
-                turns,
-                starts,
-                ..size
-            })),
+            None => {
+                let of_turns = |(turns, starts): (f64, f64)| OfferedSize { turns, starts, ..size };
+                let sizes = all_turns.into_iter().map(of_turns);
+                let of_makes =
+                    |size| makes.iter().map(move |make| OfferedSize { make: *make, ..size });
+                Ok((sizes.flat_map(of_makes).collect::<Vec<_>>(), source))
+            }
         }
     })?;
-    Ok(sizes.into_iter().flatten().collect())
+    let (sizes, sources): (Vec<_>, _) = rows.into_iter().unzip();
+    Ok(SizeTable { sizes: sizes.concat(), sources })
+}
+
+/// Returns the makes in a cell of the column `make`: a value of `screw_make`, or the word both.
+fn makes_of(text: &str) -> Result<Vec<Option<Make>>, CaseError> {
+    if text == BOTH_MAKES {
+        // If both screws satisfy a requirement, the first one is chosen.
+        return Ok(vec![Some(Make::Ground), Some(Make::Rolled)]);
+    }
+    let make = Make::from_name(text).ok_or_else(|| {
+        let names = Make::NAMES.iter().map(|(name, _)| *name);
+        let names = names.chain([BOTH_MAKES]).collect::<Vec<_>>().join(", ");
+        CaseError::Invalid(format!("make = `{text}` must be one of {names}, or empty"))
+    })?;
+    Ok(vec![Some(make)])
 }
 
 /// Returns all manufacturers' sizes that are built into the program.
-pub(crate) fn offered_sizes() -> &'static [OfferedSize] {
+pub(crate) fn offered_sizes() -> &'static SizeTable {
     &SIZES
 }
 

@@ -79,7 +79,7 @@ impl RatedScrew {
         let (nominal, lead) = (nominal_mm * MM, case.lead().unwrap_or(f64::NAN) * MM);
         let same = |a: f64, b: f64| (a - b).abs() < 1e-9 * MM;
         let is_ours = |size: &&OfferedSize| same(size.diameter, nominal) && same(size.lead, lead);
-        let offered = || offered_sizes().iter().filter(is_ours);
+        let offered = || offered_sizes().sizes.iter().filter(is_ours);
         let mut assumed = Vec::new();
         let mut given_or_estimated = |key: InputKey, estimate: f64, unit: f64, by: &str| {
             case[key].map_or_else(

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::Rule::{Above, AtLeast, Between};
 use crate::case::axis_inputs::{
-    AXIAL_LOAD, carriage, driven_part, make, motor_speed, mount, preload, preload_method,
+    AXIAL_LOAD, carriage, driven_part, given_make, motor_speed, mount, preload, preload_method,
     rating_factors, reliability, required_life, stroke,
 };
 use crate::case::cycle::Cycle;
@@ -446,7 +446,7 @@ impl RequirementKeys {
             material: case.reader().materials(),
             pressure: limit(K::pressure_limit_MPa) * MPA,
             speed_number: case.speed_number_limit_mm_min.map(|limit| limit * MM * RPM),
-            make: make(&case),
+            make: given_make(&case),
             grade: case.entries.accuracy_grade.map(|word| word.grade),
             motor: MotorLimit {
                 gear_ratio: case.number(InputKey::gear_ratio),

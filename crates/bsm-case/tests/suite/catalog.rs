@@ -1,6 +1,10 @@
 //! Tests of the nut catalog and of the nut life.
 
-use bsm_case::{Case, Catalog, Condition, ListColumn, candidate_case, ratings};
+use bsm_case::{
+    Case, Catalog, Condition, ListColumn, ManufacturerNut, ManufacturerRow, NutFilter,
+    RequirementFile, TableFormat, candidate_case, ratings,
+};
+use bsm_design::Make;
 use bsm_design::catalog::Candidate;
 
 use crate::named;
@@ -24,13 +28,14 @@ fn all_nuts(catalog: &Catalog) -> Vec<Candidate> {
 /// and percent (as in `bsm validate`). More than 50 000 standard nuts meet the limits.
 #[test]
 fn catalog_contains_the_published_nuts() {
-    let all = all_nuts(&Catalog::from_json(SMALL).expect("lists"));
+    let catalog = Catalog::from_json(SMALL).expect("lists");
+    let all = all_nuts(&catalog);
     let has = |conditions: &[&str]| {
         let conditions: Vec<_> = conditions
             .iter()
             .map(|c| Condition::parse(c, &columns()).expect("a condition"))
             .collect();
-        all.iter().filter(|nut| conditions.iter().all(|c| c.is_met(nut, &[]))).count()
+        all.iter().filter(|nut| conditions.iter().all(|c| c.is_met(nut, &catalog, &[]))).count()
     };
     let small = ["nominal_diameter_mm=20", "lead_mm=5", "loaded_turns=2", "nut_conformity=0.52"];
     assert_eq!(has(&small), 1);
@@ -206,8 +211,9 @@ fn preload_reduces_the_life() {
 #[test]
 fn catalogs_contain_common_sizes_with_typical_proportions() {
     let manufacturers = Catalog::manufacturers().expect("compiled in");
-    // The table has 208 rows from THK and HIWIN, and each row has at least one number of turns.
-    assert_eq!(manufacturers.lists.offered.len(), 463);
+    // The table has 208 rows from THK and HIWIN, and each row has at least one number of turns. The
+    // 34 sizes in the eight rows that are offered in both makes count twice.
+    assert_eq!(manufacturers.lists.offered.len(), 463 + 34);
     for catalog in [manufacturers, Catalog::standard().expect("compiled in")] {
         let all = all_nuts(&catalog);
         let outside = all.iter().filter(|nut| {
@@ -223,6 +229,43 @@ fn catalogs_contain_common_sizes_with_typical_proportions() {
             assert!(all.iter().any(|nut| is_it(&nut)), "{diameter} x {lead}");
         }
     }
+}
+
+/// Without `screw_make`, every size has the make of its row: the 25 x 10 mm screw with 6.35 mm balls
+/// is offered only as a rolled screw, so neither a ground screw nor a screw of grade P3 has this
+/// size. With `screw_make`, only sizes of this make meet the requirement.
+#[test]
+fn a_size_is_selected_only_in_the_make_that_a_manufacturer_offers() {
+    let manufacturers = Catalog::manufacturers().expect("compiled in");
+    let selected = |settings: &[&str]| -> Vec<Candidate> {
+        let json = br#"{"axial_load_N": 500, "feed_m_min": 5, "stroke_mm": 300}"#;
+        let settings: Vec<_> = settings.iter().map(|text| (*text).to_owned()).collect();
+        let requirement =
+            RequirementFile::from_json(json, &settings, manufacturers.lists.clone()).expect("keys");
+        let all = manufacturers.indices();
+        manufacturers.map(&all, |_, nut| requirement.is_met_by(nut).then_some(*nut))
+    };
+    let makes = |nuts: &[Candidate]| -> Vec<_> {
+        [Make::Ground, Make::Rolled]
+            .into_iter()
+            .filter(|make| nuts.iter().any(|nut| nut.size.make() == Some(*make)))
+            .collect()
+    };
+    assert_eq!(makes(&selected(&[])), [Make::Ground, Make::Rolled]);
+    assert_eq!(makes(&selected(&["screw_make=rolled"])), [Make::Rolled]);
+    assert_eq!(makes(&selected(&["screw_make=ground"])), [Make::Ground]);
+    assert_eq!(makes(&selected(&["screw_make=caged"])), [Make::Ground]);
+    assert_eq!(makes(&selected(&["accuracy_grade=P3"])), [Make::Ground]);
+    let near = |a: f64, b: f64| (1e3 * a - b).abs() < 1e-9;
+    let is_rolled_only = |nut: &&Candidate| {
+        near(nut.size.diameter, 25.0) && near(nut.nut.lead, 10.0) && near(nut.size.ball, 6.35)
+    };
+    let nuts = selected(&[]);
+    let nut = nuts.iter().find(is_rolled_only).expect("a rolled screw");
+    assert_eq!(nut.size.make(), Some(Make::Rolled));
+    assert_eq!(candidate_case(nut, None)["screw_make"], "rolled");
+    assert_eq!(selected(&["accuracy_grade=P3"]).iter().find(is_rolled_only), None);
+    assert_eq!(selected(&["screw_make=ground"]).iter().find(is_rolled_only), None);
 }
 
 /// The nut of THK's 50 x 50 mm screw with 7.2 turns has four circuits of 1.8 turns, one on each of
@@ -247,4 +290,29 @@ fn large_lead_nut_has_one_circuit_per_thread_start() {
     // rounding error.
     let given = ["starts", "circuits_count", "ball_diameter_mm"].map(|name| of(name).to_string());
     assert_eq!(given, ["4", "4", "7.938"]);
+}
+
+/// A condition on a column of text keeps the rows with exactly this text. If no row has the text,
+/// the reason states the texts in the column.
+#[test]
+fn conditions_select_rows_by_text() {
+    let table =
+        b"nut,supplier,nominal_diameter_mm,lead_mm,rated_dynamic_load_N,rated_static_load_N\n\
+        small,A,40,20,52000,88000\n\
+        large,B,50,20,80000,150000\n";
+    let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("a table");
+    let rows = ManufacturerRow::all(&nuts, None).expect("two nuts");
+    let columns = ListColumn::of_rows(&rows);
+    let filter = |condition: &str| NutFilter::new(&[condition.to_owned()], &columns, false);
+    for (condition, name) in [("supplier=B", "large"), ("nut=small", "small")] {
+        let list = filter(condition).expect("a condition").choose_rows(rows.clone());
+        let names: Vec<_> = list.rows_within().iter().map(|row| row.name.clone()).collect();
+        assert_eq!(names, [name], "{condition}");
+    }
+    let list = filter("supplier=C").expect("a condition").choose_rows(rows.clone());
+    assert_eq!(list.reasons, ["supplier=C: the column of 2 nuts contains A, B"]);
+    let error = filter("supplier>=B").expect_err("not a number").to_string();
+    assert!(error.contains("has the form name=text"), "{error}");
+    let error = NutFilter::default().sorted_by("supplier", false, &columns).expect_err("a text");
+    assert!(error.to_string().contains("sorting needs a column of numbers"), "{error}");
 }

@@ -388,6 +388,25 @@ fn selected_screw_meets_the_input_power_limit() {
     );
 }
 
+/// A level axis without friction and process force carries no load. Life and safety factors are then
+/// unlimited, so they are not limits, and no text contains NaN.
+#[test]
+fn screw_without_load_is_selected_without_limits_of_life_and_safety() {
+    let catalog = Catalog::manufacturers().expect("compiled in");
+    let json = br#"{"moved_mass_kg":35,"feed_m_min":6,"axial_load_N":0,"stroke_mm":400,"required_life_h":10000}"#;
+    let requirement =
+        RequirementFile::from_json(json, &[], catalog.lists.clone()).expect("a requirement");
+    let report = DesignReport::standard(&requirement, &catalog).expect("sizes");
+    assert!(report.found, "{:?}", report.reasons);
+    for name in ["cycle_life_h", "static_safety_factor", "buckling_safety"] {
+        let mut rows = report.rows.iter().filter(|row| row.name == name);
+        assert!(rows.all(|row| row.value.is_none() && row.requirement.is_none()));
+    }
+    assert!(report.notes.iter().any(|note| note.starts_with("No axial load acts on the screw")));
+    let texts = [&report.reasons, &report.notes, &report.warnings].map(|texts| texts.join(" "));
+    assert!(texts.iter().all(|text| !text.contains("NaN")), "{texts:?}");
+}
+
 /// Returns typical requirements of machine builders: a light lift with a long stroke, a feed axis
 /// with a cycle, and a slow axis with a free screw end. The requirements differ in objective,
 /// manufacturing method, preload and permitted warnings.

@@ -465,7 +465,7 @@ fn select_command_accepts_only_nuts_that_pass_all_axis_rules() {
         assert_agrees_with_sheet(&report, Model::RacewayControl, settings[0]);
         // Every listed nut that meets the requirement also passes all rules of its own axis sheet.
         let listed = catalog.map(&catalog.indices(), |place, nut| {
-            (place % 7 == 0 && requirement.is_met_by(&nut.nut)).then_some(*nut)
+            (place % 7 == 0 && requirement.is_met_by(nut)).then_some(*nut)
         });
         for nut in listed.iter().take(20).filter(|nut| requirement.sheet_of(nut).is_some()) {
             let sheet =

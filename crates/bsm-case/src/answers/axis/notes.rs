@@ -4,7 +4,7 @@ use bsm_design::motion::{Phase, speed_jumps};
 use bsm_design::{Axis, Grade};
 use bsm_dyn::ModelWorkspace;
 
-use super::rules::at_least;
+use super::rules::{NO_LOAD, at_least, is_unloaded};
 use super::state::AxisState;
 use super::torques::{Preload, Torques};
 use super::{contacts, no_balls};
@@ -56,6 +56,9 @@ impl AxisState<'_> {
         notes.extend(self.by_catalog());
         notes.extend(self.heaviest().and_then(Torques::costs));
         notes.extend(self.about_life());
+        if is_unloaded(self.case, self.axis()) {
+            notes.push(NO_LOAD.to_owned());
+        }
         let films = self.machine.groove.is_some();
         notes.extend(self.case.assumed_roughness().filter(|_| films));
         notes.extend(self.to_measure());
@@ -118,6 +121,13 @@ impl AxisState<'_> {
                  damages the grease and changes the preload. Cool the nut or the screw."
             )
         });
+        let grade = self.grade().filter(|grade| !make(self.case).is_offered_in(grade));
+        let grade = grade.map(|grade| {
+            format!(
+                "Manufacturers offer rolled screws only in grades 5 to 10, but accuracy_grade is {}. Ask the manufacturer, or choose a ground screw.",
+                grade.name
+            )
+        });
         let longest = make(self.case).longest(self.grade(), self.axis().screw.outer);
         let thread = self.shaft().map(|shaft| shaft.length);
         let long = thread.zip(longest).filter(|(thread, longest)| thread > longest);
@@ -145,7 +155,7 @@ impl AxisState<'_> {
             self.resonance().map(|text| Warning::limit(SelectionLimit::NutResonance, text));
         let others = self.hindered_growth().into_iter().chain(uncertain);
         let others = others.chain(self.about_cycle()).chain(self.buckles_by_support());
-        let others = others.map(Warning::advice);
+        let others = others.chain(grade).map(Warning::advice);
         hot.into_iter().chain(long).chain(resonance).chain(others).collect()
     }
 

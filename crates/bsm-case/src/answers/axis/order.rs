@@ -1,12 +1,12 @@
 //! Order data of a screw, as printed on the axis sheet.
 
-use bsm_design::{NutSet, PreloadMethod};
+use bsm_design::{Make, NutSet, PreloadMethod};
 
 use super::Preload;
 use super::state::AxisState;
 use crate::InputKey;
 use crate::case::axis::TorqueTolerance;
-use crate::case::axis_inputs::{nut_set, preload_method};
+use crate::case::axis_inputs::{given_make, nut_set, preload_method};
 use crate::vocabulary::entries::Choice;
 use crate::vocabulary::number::format_trimmed;
 use crate::vocabulary::units::MM;
@@ -46,7 +46,8 @@ impl std::fmt::Display for Order {
 }
 
 impl AxisState<'_> {
-    /// Returns the order data: manufacturer, size, nut, preload, grade, length, preload torque,
+    /// Returns the order data: manufacturer, size, nut, preload, grade, make, length, preload
+    /// torque,
     /// travel and bearings.
     pub(super) fn order(&self) -> Order {
         let screw = &self.axis().screw;
@@ -95,6 +96,13 @@ impl AxisState<'_> {
         let cold = |preload: &Preload| format!("{:.0} {}", force.value(preload.cold), force.text);
         order.add("preload", "preload ", preload.map(cold));
         order.add("accuracy grade", "", self.grade().map(|grade| grade.name.to_owned()));
+        let make = given_make(self.case).map(|make| match make {
+            Make::Rolled => "rolled screw",
+            Make::Ground => "ground screw",
+            Make::Caged => "screw with a ball cage",
+            Make::HighSpeed => "screw with a high-speed ball return",
+        });
+        order.add("make of the screw", "", make.map(str::to_owned));
         let shaft = self.shaft();
         order.add("thread", "thread ", self.machine.thread.map(with_nut));
         let is_given = self.case.unsupported_length_mm.is_some();

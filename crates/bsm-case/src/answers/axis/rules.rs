@@ -91,6 +91,19 @@ impl RuleInputs<'_> {
         self.number(name).or(self.case[limit].map(|_| f64::NAN))
     }
 
+    /// Returns true if no axial load and no preload act on the nut. Life and safety factors are then
+    /// unlimited.
+    fn is_unloaded(&self) -> bool {
+        is_unloaded(self.case, self.axis)
+    }
+
+    /// Works like [`number_or_nan_if_limited`](Self::number_or_nan_if_limited) for a safety factor,
+    /// which is unlimited if no load acts.
+    fn safety_or_nan_if_limited(&self, name: OutputName, limit: K) -> Option<f64> {
+        self.number_or_nan_if_limited(name, limit)
+            .filter(|safety| !(safety.is_nan() && self.is_unloaded()))
+    }
+
     /// Returns the largest permitted utilization of the motor if its torque-speed curve is given,
     /// and `None` otherwise.
     fn utilization_limit(&self) -> Option<f64> {
@@ -379,7 +392,7 @@ rules! {
             at_least(of.axis.screw.lead / MM / margin, 1)
         );
     "buckling" buckling_safety
-        = of.number_or_nan_if_limited(output!(buckling_safety), K::required_buckling_safety),
+        = of.safety_or_nan_if_limited(output!(buckling_safety), K::required_buckling_safety),
         at_least of.input(K::required_buckling_safety),
         of.buckling_source(),
         of.remedy_of_buckling(margin);
@@ -427,17 +440,17 @@ rules! {
             |grade| format!("accuracy_grade {grade}"),
         );
     "static safety" static_safety_factor
-        = of.number_or_nan_if_limited(output!(static_safety_factor), K::required_static_safety),
+        = of.safety_or_nan_if_limited(output!(static_safety_factor), K::required_static_safety),
         at_least of.input(K::required_static_safety),
         "ISO 3408-5 (Z16), with the preload (D14); smaller of C_0a/F and the value for the most loaded ball. THK requires 1 to 1.5, or 2 to 7 with impact",
         format!("a static load rating of at least {} N", at_least(of.axis.static_rating / margin, 0));
     "life" cycle_life_h
-        = of.required_if(output!(cycle_life_h), of.required_life().filter(|_| of.moves())),
+        = of.required_if(output!(cycle_life_h), of.required_life().filter(|_| of.moves() && !of.is_unloaded())),
         at_least of.required_life(),
         "ISO 3408-5 (D12) to (D15), reliability (Z14)",
         of.needed_rating(margin);
     "modified life" modified_life_h
-        = of.required_if(output!(modified_life_h), of.number(output!(fatigue_load_limit_N)).filter(|_| of.moves())),
+        = of.required_if(output!(modified_life_h), of.number(output!(fatigue_load_limit_N)).filter(|_| of.moves() && !of.is_unloaded())),
         at_least of.required_life(),
         "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
         "a higher viscosity, a cleaner lubricant or a larger dynamic load rating";
@@ -518,6 +531,18 @@ rules! {
         at_most of.preload.map(|preload| of.number(output!(limit_load_N)).unwrap_or(UNLOADING_RATIO * preload.warm)),
         "limit load, about 2.83 times the preload (D14), (U20)",
         format!("preload_N of at least {}", at_least(of.preload.map_or(f64::NAN, |p| p.cold) / margin, 0));
+}
+
+/// Note on a screw that carries no load.
+pub(crate) const NO_LOAD: &str = "No axial load acts on the screw, so life, static safety and buckling safety are unlimited and are not checked. If guide friction or \
+     acceleration loads the axis, give guide_friction or guide_force_N, or a cycle with accelerated moves.";
+
+/// Returns true if no axial load and no preload act on the nut. If the case states neither a load
+/// nor a mass, the load is not known, and the result is false.
+pub(super) fn is_unloaded(case: &Case, axis: &Axis) -> bool {
+    let is_known =
+        case.axial_load_N.is_some() || case.moved_mass_kg.is_some() || case.entries.cycle.is_some();
+    is_known && axis.larger_nut_load() <= 0.0
 }
 
 /// Returns the titles of all rules, in the order of the axis sheet.
