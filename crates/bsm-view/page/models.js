@@ -13,6 +13,15 @@ const COLUMNS = [
   "screw_contact_angle_deg",
 ];
 
+/** Deviations of a model from the reference model, as texts. */
+function deviations(model, reference) {
+  if (model.model === reference) return ["reference", "reference"];
+  const signed = (value, digits) =>
+    value == null ? "–" : `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(digits)}`;
+  const percent = model.loss_deviation == null ? null : 100 * model.loss_deviation;
+  return [signed(model.efficiency_deviation, 5), signed(percent, 2)];
+}
+
 export function showModels(host, answer, solved) {
   if (answer instanceof Error) {
     host.replaceChildren(none(answer.message));
@@ -23,12 +32,15 @@ export function showModels(host, answer, solved) {
   // In a saved page, no computing times are shown, because the clock of a browser is too coarse to measure them.
   const heads = [
     ...COLUMNS.map((name) => labeled(OUTPUT.get(name).label, OUTPUT.get(name).unit)),
+    "deviation of the efficiency",
+    "deviation of the loss, %",
     ...(served ? ["time, µs"] : []),
   ];
   const cells = (model, ends) => [
     ...COLUMNS.map((name) =>
       model[name] == null ? "–" : measuredNumber(model[name], OUTPUT.get(name).unit, ends?.[name]),
     ),
+    ...deviations(model, answer.reference_model),
     ...(served ? [model.time_us.toFixed(2)] : []),
   ];
   const rows = answer.models.map((model, place) =>
