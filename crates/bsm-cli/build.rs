@@ -1,4 +1,5 @@
-//! Makes the git commit of the source tree available to the program, for `bsm --version`.
+//! Makes the git commit of the source tree available to the program, for `bsm --version`
+//! and for the description of a table.
 
 use std::process::Command;
 
@@ -10,8 +11,12 @@ fn main() {
         println!("cargo:rerun-if-changed={log}");
     }
     let version = env!("CARGO_PKG_VERSION");
-    let described = git(&["rev-parse", "--short=9", "HEAD"])
-        .map_or_else(|| version.to_owned(), |commit| format!("{version} ({commit})"));
+    let commit = git(&["rev-parse", "--short=9", "HEAD"]);
+    if let Some(commit) = &commit {
+        println!("cargo:rustc-env=BSM_COMMIT={commit}");
+    }
+    let described =
+        commit.map_or_else(|| version.to_owned(), |commit| format!("{version} ({commit})"));
     println!("cargo:rustc-env=BSM_VERSION={described}");
 }
 

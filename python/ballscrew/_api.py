@@ -1683,7 +1683,9 @@ def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
     Returns
     -------
     Table
-        Table with one row per model: `model`, `status` and all outputs of a solution.
+        Table with one row per model: `model`, `status`, all outputs of a solution, and two deviations from the model
+        `traction` or, if `traction` has no solution, from the solved model with the most inputs: `efficiency_deviation`
+        (difference of the efficiencies) and `loss_deviation` (relative difference of the losses).
 
     Raises
     ------
@@ -1698,7 +1700,8 @@ def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
     """
     answer, _, _ = _core.compare(_case(case, inputs))
     rows = answer["models"]
-    names = ["model", "status", *(quantity.name for quantity in _OF_A_SOLUTION)]
+    outputs = (quantity.name for quantity in _OF_A_SOLUTION)
+    names = ["model", "status", *outputs, "efficiency_deviation", "loss_deviation"]
     return _listed(names, [[row[name] for name in names] for row in rows])
 
 

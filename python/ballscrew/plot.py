@@ -16,7 +16,13 @@ __all__ = ["curves", "heatmap", "pareto", "save"]
 
 
 def curves(
-    table: Table, x: str, y: str, *, by: str | None = None, error: str | None = None, ax: Axes | None = None
+    table: Table,
+    x: str,
+    y: str,
+    *,
+    by: str | None = None,
+    error: str | tuple[str, str] | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     """Draw an output as a function of an input, with one line for each value of another input.
 
@@ -30,9 +36,10 @@ def curves(
         Names of the columns on the horizontal and the vertical axis.
     by : str, optional
         Column whose value is constant on each line. For a grid of two inputs, it defaults to the other input.
-    error : str, optional
-        Column with the error of `y`, such as "efficiency_error_bound". The error is drawn as a band on both sides of
-        the line.
+    error : str or tuple of str, optional
+        Column with the error of `y`, such as "efficiency_error_bound", which is drawn as a band on both sides of the
+        line. Or two columns with the lower and the upper end of an interval of `y`, such as ("band_efficiency_low",
+        "band_efficiency_high"), between which the band is drawn.
     ax : matplotlib axes, optional
         Axes to draw into.
 
@@ -71,8 +78,12 @@ def curves(
         xs, ys = table[x][of_line], table[y][of_line]
         (line,) = axes.plot(xs, ys, label=label)
         if error is not None:
-            wide = table[error][of_line]
-            axes.fill_between(xs, ys - wide, ys + wide, color=line.get_color(), alpha=0.2, linewidth=0)
+            if isinstance(error, str):
+                wide = table[error][of_line]
+                low, high = ys - wide, ys + wide
+            else:
+                low, high = (table[end][of_line] for end in error)
+            axes.fill_between(xs, low, high, color=line.get_color(), alpha=0.2, linewidth=0)
     if by is not None:
         axes.legend(title=_quantity(by))
     axes.set_xlabel(_label(x))
@@ -183,7 +194,8 @@ def _axes(ax: Axes | None) -> Axes:
         return ax
     import matplotlib.pyplot as plt
 
-    axes: Axes = plt.subplots()[1]
+    # The layout adapts to the size that `save` sets, so that no label is cut off.
+    axes: Axes = plt.subplots(layout="constrained")[1]
     return axes
 
 

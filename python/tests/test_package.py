@@ -811,6 +811,33 @@ def test_curve_plot_of_a_grid_has_one_line_for_each_value_of_the_other_axis(scre
     assert [np.asarray(line.get_xdata()).tolist() for line in lines] == [loads, loads]
 
 
+def test_all_texts_of_a_saved_figure_lie_inside_the_requested_size(screw: bs.Case, tmp_path: Path) -> None:
+    """Regression test: at the width of a journal column, both axis labels were cut off."""
+    vary = {"lead_angle_deg": [5.0, 15.0, 45.0], "contact_angle_deg": [30.0, 45.0]}
+    grid = bs.sweep(screw, vary=vary, model="closed-form", columns=["efficiency"])
+    for axes in (bs.plot.curves(grid, "lead_angle_deg", "efficiency"), bs.plot.heatmap(grid, "efficiency")):
+        bs.plot.save(axes, tmp_path / "figure.png", size_mm=(84, 60), title="efficiency")
+        figure: Any = axes.figure
+        texts = [text for each in figure.axes for text in (each.title, each.xaxis.label, each.yaxis.label)]
+        frames = [text.get_window_extent() for text in texts if text.get_text()]
+        assert len(frames) >= 3
+        for frame in frames:
+            assert figure.bbox.x0 <= frame.x0 and frame.x1 <= figure.bbox.x1
+            assert figure.bbox.y0 <= frame.y0 and frame.y1 <= figure.bbox.y1
+
+
+def test_curve_plot_draws_an_error_or_the_ends_of_an_interval_as_a_band(screw: bs.Case) -> None:
+    columns = ["efficiency", "ball_torque_Nm"]
+    grid = bs.sweep(screw, vary={"axial_load_N": [2e3, 4e3]}, columns=columns)
+    value, torque = grid["efficiency"], grid["ball_torque_Nm"]
+    symmetric = bs.plot.curves(grid, "axial_load_N", "efficiency", error="ball_torque_Nm")
+    interval = bs.plot.curves(grid, "axial_load_N", "efficiency", error=("efficiency", "ball_torque_Nm"))
+    for axes, low, high in [(symmetric, value - torque, value + torque), (interval, value, torque)]:
+        (band,) = axes.collections
+        heights = np.asarray(band.get_paths()[0].vertices)[:, 1]
+        assert heights.min() == min(low.min(), high.min()) and heights.max() == max(low.max(), high.max())
+
+
 # Threads, processes, interrupts
 
 

@@ -29,9 +29,15 @@ fn label_of(output: &Output, units: &ColumnUnits) -> String {
 
 /// A plot to which the results of a grid are added chunk by chunk.
 pub(crate) trait Picture {
-    /// Adds the points of a chunk. `values` contains the plotted output. The second axis of the
-    /// grid varies fastest.
-    fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]);
+    /// Adds the points of a chunk. `values` contains the plotted output, and `interval` the lower
+    /// and the upper end of its interval. The second axis of the grid varies fastest.
+    fn add(
+        &mut self,
+        chunk: &Chunk,
+        answers: &Answers,
+        values: &[f64],
+        interval: Option<[&[f64]; 2]>,
+    );
 
     /// Draws the plot and returns the bytes of the image file.
     fn draw(self: Box<Self>, title: String, is_png: bool) -> Result<Vec<u8>, ReportError>;
@@ -44,6 +50,9 @@ pub(crate) struct CurvePlot {
     x: PlotAxis,
     x_unit: DisplayUnit,
     lines: Vec<Curve>,
+    /// Lower and upper ends of the interval of each curve, without points if no interval is
+    /// plotted.
+    limits: Vec<[Curve; 2]>,
     /// Model that solved the most recent point of each curve.
     models: Vec<Option<&'static str>>,
     /// Points whose model differs from the model of the preceding point, with the names of both
@@ -99,23 +108,40 @@ impl CurvePlot {
                 points: Vec::new(),
             })
             .collect();
+        let limit = |color, label: Option<&str>| Curve {
+            label: label.map(str::to_owned),
+            ..Curve::new("", color, Stroke::Dotted, Vec::new())
+        };
+        // One legend entry explains the dotted lines of all curves.
+        let limits = (0..count)
+            .map(|i| [limit(i, (i == 0).then_some("90 % interval")), limit(i, None)])
+            .collect();
         let (low, high) = (x.value(0), x.value(x.len() - 1));
         let x_unit = units.of_input(x.key);
         let (mut x, models) = (axis_of(x, &units), vec![None; count]);
         x.log |= low > 0.0 && high >= DECADES * low;
-        Ok(Self { output, units, x, x_unit, lines, models, changes: Vec::new() })
+        Ok(Self { output, units, x, x_unit, lines, limits, models, changes: Vec::new() })
     }
 }
 
 impl Picture for CurvePlot {
     /// Adds points to the curves. A point without a result leaves a gap in its curve.
-    fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
+    fn add(
+        &mut self,
+        chunk: &Chunk,
+        answers: &Answers,
+        values: &[f64],
+        interval: Option<[&[f64]; 2]>,
+    ) {
         let count = self.lines.len();
         // Consecutive rows belong to different curves, so a chunk may begin with any curve.
         let first = usize::try_from(chunk.first - 1).unwrap_or(0) % count;
         for (row, (x, y)) in chunk.inputs[0].values().iter().zip(values).enumerate() {
             let line = (first + row) % count;
             self.lines[line].points.push((*x, *y));
+            for (limit, ends) in self.limits[line].iter_mut().zip(interval.iter().flatten()) {
+                limit.points.push((*x, ends[row]));
+            }
             let model = answers.outcomes[row].model.name();
             match self.models[line].replace(model) {
                 Some(former) if former != model && y.is_finite() => {
@@ -127,7 +153,7 @@ impl Picture for CurvePlot {
     }
 
     fn draw(self: Box<Self>, title: String, is_png: bool) -> Result<Vec<u8>, ReportError> {
-        let Self { output, units, x, x_unit, lines: mut curves, changes, .. } = *self;
+        let Self { output, units, x, x_unit, lines: mut curves, limits, changes, .. } = *self;
         let mut names: Vec<_> = changes.iter().flat_map(|(_, names)| *names).collect();
         names.sort_unstable();
         names.dedup();
@@ -136,6 +162,7 @@ impl Picture for CurvePlot {
             let label = format!("model changes: {}", names.join(" / "));
             curves.push(Curve::new(label, curves.len(), Stroke::Circles, points));
         }
+        curves.extend(limits.into_iter().flatten().filter(|limit| !limit.points.is_empty()));
         let (_, y_unit) = units.of_output(output);
         for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
             *point = (x_unit.value(point.0), y_unit.value(point.1));
@@ -198,7 +225,13 @@ impl MapPlot {
 }
 
 impl Picture for MapPlot {
-    fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
+    fn add(
+        &mut self,
+        chunk: &Chunk,
+        answers: &Answers,
+        values: &[f64],
+        _interval: Option<[&[f64]; 2]>,
+    ) {
         let first = usize::try_from(chunk.first - 1).unwrap_or(usize::MAX);
         for (row, value) in values.iter().enumerate() {
             let (x, y) = ((first + row) / self.rows, (first + row) % self.rows);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bsm_case::{CaseError, Catalog, ManufacturerNut, RequirementFile};
+use bsm_case::{CaseError, Catalog, ListColumn, ManufacturerNut, NameKind, RequirementFile};
 
 use crate::answer::Destination;
 use crate::args::SelectArgs;

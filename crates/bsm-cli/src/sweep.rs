@@ -38,6 +38,10 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         return Err(Failure::Input(text.to_owned()));
     }
     let watched = picture.map(|path| plotted_output(path, args.columns.as_deref())).transpose()?;
+    let interval = files.lines.and(watched).and_then(|output| interval_of(output, &chosen));
+    if let Some((path, output)) = picture.zip(watched) {
+        note_columns_not_plotted(path, output, args.columns.as_deref(), interval.is_some());
+    }
     let mut pictures: Vec<(&Path, OutputFile, Box<dyn Picture>)> = Vec::new();
     if let Some((path, output)) = files.lines.zip(watched) {
         let curves = Box::new(CurvePlot::new(&grid, output, units.clone())?);
@@ -49,7 +53,9 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     }
     let title = base.description.clone();
     let chosen = match watched {
-        Some(output) if files.table.is_none() => vec![output],
+        Some(output) if files.table.is_none() => {
+            std::iter::once(output).chain(interval.into_iter().flatten()).collect()
+        }
         _ => chosen,
     };
     let task = Task::over_grid(base, settings, chosen, watched, &grid).map_err(in_file)?;
@@ -67,10 +73,13 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let of = watched.map_or_else(String::new, |output| output.name.replace('_', " "));
     let title = format!("{title}{of}, model {model}");
     let job = files.job((task, units), args, args.table.output_format())?;
+    let column_of = |end: &Output| job.task.outputs.iter().position(|o| o.name == end.name);
+    let columns = interval.and_then(|[low, high]| Some([column_of(low)?, column_of(high)?]));
     let mut source = points.open()?;
     let solved = job.run(source.as_mut(), &points, workers, |chunk, answers, values| {
+        let ends = columns.map(|columns| columns.map(|column| answers.columns[column].as_slice()));
         for (.., picture) in &mut pictures {
-            picture.add(chunk, answers, values);
+            picture.add(chunk, answers, values, ends);
         }
     });
     if !matches!(solved, Ok(()) | Err(Failure::Unsolved)) {
@@ -271,12 +280,6 @@ fn points_of(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
 /// Returns the output that a plot shows, which is the first requested column.
 fn plotted_output(path: &Path, columns: Option<&[String]>) -> Result<&'static Output, Failure> {
     let name = columns.and_then(|columns| columns.first()).map_or("efficiency", String::as_str);
-    if columns.is_some_and(|columns| columns.len() > 1) {
-        print_message(
-            "note",
-            &format!("{} shows only {name}, the first of the --columns", path.display()),
-        );
-    }
     let found = Output::in_unit(name).map(|(output, _)| output);
     found.filter(|output| output.output_type == OutputType::Number).ok_or_else(|| {
         Failure::Input(format!(
@@ -284,5 +287,39 @@ fn plotted_output(path: &Path, columns: Option<&[String]>) -> Result<&'static Ou
              --columns efficiency,{name}",
             path.display()
         ))
+    })
+}
+
+/// Prints a note if --columns names outputs that a plot does not show.
+///
+/// * `has_interval`: true if the plot also shows both ends of the interval of `output`.
+fn note_columns_not_plotted(
+    path: &Path,
+    output: &Output,
+    columns: Option<&[String]>,
+    has_interval: bool,
+) {
+    let plotted = if has_interval { 3 } else { 1 };
+    if columns.is_some_and(|columns| columns.len() > plotted) {
+        let name = output.name;
+        let with = if has_interval { " with its interval" } else { "" };
+        let text =
+            format!("{} shows only {name}{with}, the first of the --columns", path.display());
+        print_message("note", &text);
+    }
+}
+
+/// Returns the lower and the upper end of the 90 % interval of an output, if the requested outputs
+/// contain both ends. The interval is due to uncertain friction (`band_X_low`) or to an estimated
+/// groove (`X_low`).
+fn interval_of(output: &Output, requested: &[&'static Output]) -> Option<[&'static Output; 2]> {
+    let ends = Output::end_names(output.name, output.unit);
+    ["band_", ""].into_iter().find_map(|cause| {
+        let end = |name: &String| {
+            let name = format!("{cause}{name}");
+            requested.iter().copied().find(|end| end.name == name)
+        };
+        let [low, high] = &ends;
+        Some([end(low)?, end(high)?])
     })
 }

@@ -192,6 +192,9 @@ impl Job<'_> {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let (hash, bytes) =
                 sha256(path).map_err(|e| Failure::file_operation("read", path, &e))?;
+            if let Some(commit) = option_env!("BSM_COMMIT") {
+                about["program"]["commit"] = commit.into();
+            }
             about["table"] = json!({ "name": name, "bytes": bytes, "sha256": hash });
             files::write(beside, &(pretty_json(&about) + "\n"))?;
         }

@@ -219,8 +219,8 @@ pub struct MotorPoint {
     pub speed: f64,
     /// Peak torque \[N·m\].
     pub peak: f64,
-    /// Continuous torque \[N·m\].
-    pub continuous: f64,
+    /// Continuous torque \[N·m\], or `None` if it is unknown.
+    pub continuous: Option<f64>,
 }
 
 /// Torque-speed curve of a motor, interpolated linearly between points.
@@ -248,7 +248,7 @@ impl MotorCurve {
         Some(MotorPoint {
             speed,
             peak: between(start.peak, end.peak),
-            continuous: between(start.continuous, end.continuous),
+            continuous: start.continuous.zip(end.continuous).map(|(from, to)| between(from, to)),
         })
     }
 

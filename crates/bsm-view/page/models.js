@@ -13,6 +13,15 @@ const COLUMNS = [
   "screw_contact_angle_deg",
 ];
 
+/** Deviations of a model from the reference model, as texts. */
+function deviations(model, reference) {
+  if (model.model === reference) return ["reference", "reference"];
+  const signed = (value, digits) =>
+    value == null ? "–" : `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(digits)}`;
+  const percent = model.loss_deviation == null ? null : 100 * model.loss_deviation;
+  return [signed(model.efficiency_deviation, 5), signed(percent, 2)];
+}
+
 export function showModels(host, answer, solved) {
   if (answer instanceof Error) {
     host.replaceChildren(none(answer.message));
@@ -22,13 +31,15 @@ export function showModels(host, answer, solved) {
   const heads = [
     "model",
     ...COLUMNS.map((name) => labeled(OUTPUT.get(name).label, OUTPUT.get(name).unit)),
+    "deviation of the efficiency",
+    "deviation of the loss, %",
     ...(served ? ["time, µs"] : []),
   ];
   // 90 % intervals over the possible grooves, one object for each model.
   const ends = answer.groove_estimate?.intervals?.models ?? [];
   const rows = answer.models.map((model, place) => {
     const cells =
-      model.status === "converged" ? cellsOf(model, ends[place]) : failure(model, heads.length - 1);
+      model.status === "converged" ? cellsOf(model, ends[place], answer.reference_model) : failure(model, heads.length - 1);
     const isHere = model.model === solved?.model;
     return html("tr", { class: isHere ? "here" : null }, html("th", { scope: "row" }, model.model), cells);
   });
@@ -43,11 +54,15 @@ export function showModels(host, answer, solved) {
   );
 }
 
-/** Creates the cells of a model with a solution. `ends` contains the 90 % intervals by name. */
-function cellsOf(model, ends) {
+/**
+ * Creates the cells of a model with a solution. `ends` contains the 90 % intervals by name, and `reference` is the name
+ * of the model from which the deviations are calculated.
+ */
+function cellsOf(model, ends, reference) {
   const cells = COLUMNS.map((name) =>
     model[name] == null ? "–" : measuredNumber(model[name], OUTPUT.get(name).unit, ends?.[name]),
   );
+  cells.push(...deviations(model, reference));
   if (served) cells.push(model.time_us.toFixed(2));
   return cells.map((cell) => html("td", { class: "number" }, cell));
 }

@@ -244,7 +244,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         nut_inertia_kg_m2 = INPUTS Scalar(|w| w.machine.nut_inertia);
         inertia_of_mass_kg_m2 ["kg m2"] Scalar(|w| w.machine.drive.mass_inertia()), "reflected inertia of the moved mass, at the screw";
         reflected_mass_kg ["kg" "m_r"] Scalar(|w| w.machine.has_inertia().then(|| w.machine.drive.reflected_mass())), "reflected mass: mass on the carriage with the same kinetic energy as screw, gear and motor";
-        travel_per_step_um ["um"] Scalar(|w| Some(w.machine.drive.travel_per_part(w.case.motor_steps_per_turn? * w.case.value_or_default(InputKey::microsteps_count)?) / UM)), "travel per microstep of the motor";
+        travel_per_step_um ["um"] Scalar(|w| Some(w.machine.drive.travel_per_part(w.case.motor_steps_per_turn? * w.case.value_or_default(InputKey::microsteps_count)?) / UM)), "travel per step of the motor or, if microsteps_count is given, per microstep";
         travel_per_count_um ["um"] Scalar(|w| Some(w.machine.drive.travel_per_part(w.case.encoder_counts_per_turn?) / UM)), "travel per count of the encoder";
         inertia_at_motor_kg_m2 ["kg m2"] Scalar(|w| w.inertia_at_motor()), "load inertia at the motor";
         inertia_ratio [""] Scalar(|w| {

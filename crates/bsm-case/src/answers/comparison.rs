@@ -22,6 +22,15 @@ row! {
     /// Solution of a model.
     pub(crate) struct ModelRow {
         [flatten] record: RecordCells;
+        /// Efficiency minus the efficiency of the reference model. It is null if a model has no
+        /// solution.
+        efficiency_deviation: Option<f64>;
+        /// Loss (1 minus the efficiency) minus the loss of the reference model, relative to the
+        /// loss of the reference model. It is null if a model has no solution, or if the reference
+        /// model has no loss.
+        loss_deviation: Option<f64>;
+        [skip] shown_efficiency_deviation: String = "efficiency deviation";
+        [skip] shown_loss_deviation: String = "loss deviation %";
         /// Time of one solve \[µs\].
         time_us: f64;
         [skip] shown_time: String = "time us";
@@ -32,6 +41,9 @@ answer! {
     /// Solutions of all models.
     pub(crate) struct ModelsCompared {
         regime: Label;
+        /// Model to which the deviations refer: `traction` or, if `traction` has no solution, the
+        /// solved model with the most inputs.
+        reference_model: Label;
         models: Rows<ModelRow>;
     }
 }
@@ -140,21 +152,48 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
         let model = record.model().name();
         record.warnings(case).into_iter().map(move |text| format!("{model}: {text}"))
     });
-    let row = |(record, time): &(Record, f64)| ModelRow {
-        record: RecordCells(record.to_json()),
-        time_us: *time,
-        shown_time: format!("{time:.2}"),
+    let reference = reference_of(&answers);
+    let row = |(record, time): &(Record, f64)| {
+        let cells = record.to_json();
+        let [efficiency_deviation, loss_deviation] =
+            reference.as_ref().map_or([None; 2], |reference| reference.deviations(&cells));
+        let is_reference = reference.as_ref().is_some_and(|it| it.model == record.model().name());
+        let shown = |deviation: Option<f64>, text: fn(f64) -> String| match deviation {
+            Some(_) if is_reference => "reference".to_owned(),
+            Some(deviation) => text(deviation),
+            None => String::new(),
+        };
+        ModelRow {
+            shown_efficiency_deviation: shown(efficiency_deviation, |it| format!("{it:+.5}")),
+            shown_loss_deviation: shown(loss_deviation, |it| format!("{:+.2}", 100.0 * it)),
+            record: RecordCells(cells),
+            efficiency_deviation,
+            loss_deviation,
+            time_us: *time,
+            shown_time: format!("{time:.2}"),
+        }
     };
     let models = Rows(answers.iter().map(row).collect());
     // The regime is taken from the most complete model that solved the point.
     let regime = answers.iter().rev().find_map(|(record, _)| record.regime());
+    let mut notes: Vec<_> = case.given().unused_by_models().chain(case.unused_cycle()).collect();
+    let reference_model = reference.map(|reference| reference.model);
+    if let Some(name) = reference_model.filter(|name| *name != Model::Traction.name()) {
+        notes.push(format!(
+            "The deviations refer to model {name}, because model traction has no result here."
+        ));
+    }
     let mut answer = Answer {
-        notes: case.given().unused_by_models().collect(),
+        notes,
         warnings: case.warnings().into_iter().chain(of_answers).collect(),
         fails: answers.iter().any(|(record, _)| record.status() != Status::Converged),
         ..Answer::default()
     }
-    .with_members(ModelsCompared { regime: Label("regime ", regime.map(str::to_owned)), models });
+    .with_members(ModelsCompared {
+        regime: Label("regime ", regime.map(str::to_owned)),
+        reference_model: Label("reference model ", reference_model.map(str::to_owned)),
+        models,
+    });
     for (record, _) in &answers {
         let why = record.message().map(str::to_owned);
         answer = answer.with_shown(Content::Text(record.model().name(), why));
@@ -163,6 +202,36 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
         left_out: Data(left_out),
         shown_reasons: Sentences("not compared", shown_reasons),
     }))
+}
+
+/// The model to which the deviations of the other models refer.
+struct Reference {
+    /// Name of the model.
+    model: &'static str,
+    efficiency: f64,
+}
+
+impl Reference {
+    /// Returns the deviations of a solution from the reference: the difference of the efficiencies,
+    /// and the relative difference of the losses.
+    fn deviations(&self, cells: &Map<String, Value>) -> [Option<f64>; 2] {
+        let Some(efficiency) = cells["efficiency"].as_f64() else { return [None; 2] };
+        let loss = 1.0 - self.efficiency;
+        let relative = (loss > 0.0).then(|| (1.0 - efficiency) / loss - 1.0);
+        [Some(efficiency - self.efficiency), relative]
+    }
+}
+
+/// Returns the reference model: `traction` or, if `traction` has no solution, the solved model with
+/// the most inputs.
+fn reference_of(answers: &[(Record, f64)]) -> Option<Reference> {
+    let reference = |(record, _): &(Record, f64)| {
+        let efficiency = record.to_json()["efficiency"].as_f64()?;
+        Some(Reference { model: record.model().name(), efficiency })
+    };
+    let is_traction = |(record, _): &&(Record, f64)| record.model() == Model::Traction.into();
+    let traction = answers.iter().find(is_traction).and_then(reference);
+    traction.or_else(|| answers.iter().rev().find_map(reference))
 }
 
 /// Converts the error of [`Case::choose`] for a model to a text that does not name the model, so

@@ -57,7 +57,7 @@ pub(crate) fn motion_answer<T: NumberTable>(
     let lacks = without(T::quantities(), case.given()).into_iter().chain(lacks).collect();
     let record = Record::new(solution.clone());
     let warnings = record.all_warnings(case);
-    let notes = case.given().unused_by_models().collect();
+    let notes = case.given().unused_by_models().chain(case.unused_cycle()).collect();
     Answer { notes, warnings, ..Answer::default() }.with_members(MotionMembers::<T> {
         model: Word("model ", solution.model.name().to_owned()),
         numbers: NumbersOf::new(numbers, "ball"),

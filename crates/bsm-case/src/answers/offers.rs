@@ -188,9 +188,12 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
             Verdict::Passes => "all rules pass".to_owned(),
         };
         let lacks = report.answer.all_not_given();
-        let assumed =
-            if lacks.is_empty() { String::new() } else { format!(" ({})", lacks.join("; ")) };
-        format!("{name}: {words}{assumed}; order: {}", report.order)
+        let missing = if lacks.is_empty() {
+            String::new()
+        } else {
+            format!("; missing inputs: {}", lacks.join("; "))
+        };
+        format!("{name}: {words}; order: {}{missing}", report.order)
     };
     let offers = vec![verdict(names[0], first), verdict(names[1], second)];
     let [of_first, of_second] = [first, second].map(|report| &report.answer.rules[..]);

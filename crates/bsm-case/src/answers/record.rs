@@ -475,13 +475,7 @@ impl Record {
         notes.extend(self.threshold_play(case, settings, work));
         notes.extend(case.assumed_roughness());
         notes.extend(case.given().unused_by_models());
-        if case.entries.cycle.is_some() {
-            notes.push(
-                "The cycle is not used, because the models calculate one ball at axial_load_N and screw_speed_rpm. \
-                 `bsm nut` and `bsm axis` use the cycle."
-                    .to_owned(),
-            );
-        }
+        notes.extend(case.unused_cycle());
         let cold = case.cold_lubricant().filter(|_| parts.is_some());
         let not_given =
             cold.into_iter().map(|text| MissingInput { number: "screw_torque_Nm", text });

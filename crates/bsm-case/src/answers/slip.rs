@@ -29,7 +29,7 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     }
     "slip between neighboring balls" {
         ball_slip_printed_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip_published()), "slip speed between neighboring balls, formula of Xu and Tang";
-        ball_slip_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip()), "slip speed of the surfaces of neighboring balls";
+        ball_slip_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip()), "slip speed between neighboring balls, exact";
     }
     "slip at the contacts" {
         differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "slip speed at the center of the contact";
@@ -42,9 +42,9 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
         orbit_slip_corrected_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.orbit_slip_published(c.touch.site, c.touch.angle))), "orbit slip, corrected formula";
         orbit_spin_rad_s ["rad/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.orbit_spin(&c.touch))), "part of the spin due to the orbital motion";
         spin_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.solved.ball.spin(&c.touch))) needs [nut_conformity, screw_conformity],
-            "spin slip at the end of the ellipse";
+            "spin slip, exact, at the end of the ellipse";
         orbit_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.solved.ball.orbit_spin(&c.touch))) needs [nut_conformity, screw_conformity],
-            "part of the spin slip at the end of the ellipse that is due to the orbital motion";
+            "orbit slip, exact: part of the spin slip at the end of the ellipse that is due to the orbital motion";
     }
     "friction at the contacts" {
         used_friction_coefficient [""] Contacts(|s| s.friction(|f| f.used)),

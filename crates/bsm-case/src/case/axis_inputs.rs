@@ -241,8 +241,8 @@ pub(crate) fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve
         }
     }
     let is_positive = |row: &MotorCurveRow| {
-        let all = [row.speed_rpm, row.peak_torque_Nm, row.continuous_torque_Nm];
-        all.iter().all(|number| number.is_finite() && *number >= 0.0)
+        let all = [Some(row.speed_rpm), Some(row.peak_torque_Nm), row.continuous_torque_Nm];
+        all.iter().flatten().all(|number| number.is_finite() && *number >= 0.0)
     };
     if !rows.iter().all(is_positive) {
         return Err(invalid_input(NAME, "contains a number that is negative or not finite"));

@@ -311,6 +311,15 @@ impl InputSet {
     }
 }
 
+impl Case {
+    /// Returns a note if the case contains a cycle, which no ball model uses.
+    pub(crate) fn unused_cycle(&self) -> Option<String> {
+        let note = "The cycle is not used, because the models calculate one ball at axial_load_N and screw_speed_rpm. \
+                    `bsm nut` and `bsm axis` use the cycle.";
+        self.entries.cycle.as_ref().map(|_| note.to_owned())
+    }
+}
+
 /// Inputs of the nut that are calculated from the warm steady state.
 const WARM: [InputKey; 4] = {
     let [nut, screw, balls] = RISES;

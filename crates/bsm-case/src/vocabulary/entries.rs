@@ -227,9 +227,10 @@ pub struct MotorCurveRow {
     /// Peak torque at this speed.
     #[schemars(extend("minimum" = 0.0))]
     pub peak_torque_Nm: f64,
-    /// Continuous torque at this speed.
+    /// Continuous torque at this speed. If it is missing in a row, only the peak torque is checked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0.0))]
-    pub continuous_torque_Nm: f64,
+    pub continuous_torque_Nm: Option<f64>,
 }
 
 /// One of the two ends of the loaded length.

@@ -40,6 +40,30 @@ fn model_comparison_omits_models_without_lubricant_for_the_same_reason() {
     assert!(left_out.iter().all(|row| row["reason"] == reason), "{left_out:?}");
 }
 
+/// The deviations refer to `traction`. If `traction` cannot be solved, they refer to the solved
+/// model with the most inputs, and a note names this model.
+#[test]
+fn model_comparison_lists_deviations_from_the_reference_model() {
+    let compared = |case: &Case| comparison(case).expect("models").to_json();
+    let answer = compared(&Case::from_json(DRY).expect("an example"));
+    assert_eq!(answer["reference_model"], "traction");
+    let rows = answer["models"].as_array().expect("a list");
+    let number = |row: &Value, name: &str| row[name].as_f64().expect("a number");
+    let reference = rows.iter().find(|row| row["model"] == "traction").expect("a row");
+    let exact = number(reference, "efficiency");
+    for row in rows.iter().filter(|row| row["status"] == "converged") {
+        let efficiency = number(row, "efficiency");
+        assert_relative_eq!(number(row, "efficiency_deviation"), efficiency - exact);
+        let loss = (1.0 - efficiency) / (1.0 - exact) - 1.0;
+        assert_relative_eq!(number(row, "loss_deviation"), loss, epsilon = 1e-12);
+    }
+    let case = br#"{"lead_angle_deg": 5, "contact_angle_deg": 45, "friction_coefficient": 0.01}"#;
+    let answer = compared(&Case::from_json(case).expect("a case"));
+    assert_eq!(answer["reference_model"], "closed-form");
+    let note = answer["notes"][0].as_str().expect("a note");
+    assert!(note.contains("refer to model closed-form"), "{note}");
+}
+
 /// The results of the 11 cases agree with an independent solution within its tolerances. In one
 /// case, the torque of the complete screw is compared, because the reference torque includes the
 /// seals.

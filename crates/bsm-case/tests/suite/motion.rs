@@ -159,6 +159,18 @@ fn motor_curve_replaces_motor_torques_and_limits_the_speed() {
     assert!(report.answer.rules.iter().any(|rule| rule.name == "rms_torque_utilization"));
 }
 
+/// Many catalogs state only the peak torque as a function of speed.
+#[test]
+fn motor_curve_without_continuous_torque_checks_only_the_peak_torque() {
+    let curve = json!([[0.0, 4.0], [3000.0, 2.0]]);
+    let report = solved(&axis(&json!({ "feed_m_min": 15, "motor_curve": curve })));
+    let ratio = report.number(output!(peak_motor_torque_Nm)).expect("a torque") / 3.0;
+    near(&report, "peak_torque_utilization", ratio);
+    assert_eq!(report.number(named("continuous_torque_at_mean_speed_Nm")), None);
+    let is_checked = |name| report.answer.rules.iter().any(|rule| rule.name == name);
+    assert!(is_checked("peak_torque_utilization") && !is_checked("rms_torque_utilization"));
+}
+
 /// A phase with an acceleration is converted to a ramp. Its feed rate is the end speed if the axis
 /// accelerates, and the start speed otherwise. The expected values were calculated by hand.
 #[test]

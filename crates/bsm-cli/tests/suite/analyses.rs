@@ -63,7 +63,7 @@ fn slip_output_contains_published_and_exact_formulas() {
         "spin slip, formula of Xu and Tang",
         "spin slip, corrected formula",
         "gyroscopic angle",
-        "spin slip at the end of the ellipse",
+        "spin slip, exact, at the end of the ellipse",
         "of the slip due to the curved surface",
     ] {
         assert!(text.contains(part), "{part}: {text}");

@@ -123,6 +123,10 @@ fn tables_contain_a_description_of_their_origin() {
     let about = keys.iter().find(|key| key.key == "bsm").and_then(|key| key.value.as_deref());
     let about = json(about.expect("what it is made from"));
     let beside = json(&fs::read_to_string(at("map.json")).expect("beside the table"));
+    let (version, _) = run(dir.path(), &["--version"], 0);
+    if let Some((_, commit)) = version.trim().trim_end_matches(')').split_once(" (") {
+        assert_eq!(beside["program"]["commit"], commit, "{version}");
+    }
     for about in [&about, &beside] {
         assert_eq!(about["program"]["name"], "bsm", "{about}");
         assert_eq!(
@@ -466,4 +470,26 @@ fn error_for_semicolon_separated_file_suggests_the_delimiter() {
     let is_written =
         |cell: &str| !cell.contains('.') && cell.replace(',', ".").parse::<f64>().is_ok();
     assert!(numbers.clone().count() >= 3 && numbers.clone().all(is_written), "{row}");
+}
+
+/// A plot shows both ends of the interval of its output as dotted lines, with one legend entry.
+#[test]
+fn plot_shows_the_interval_if_both_ends_are_requested() {
+    let dir = folder();
+    let oiled = example("feed_drive_oil.json");
+    let plot = |columns: &str| {
+        let speeds = ["--vary", "screw_speed_rpm=500,1500", "--vary", "axial_load_N=4000,8000"];
+        let args = ["sweep", &oiled, "--model", "raceway-control", "--columns", columns];
+        let (_, message) = run(dir.path(), &[&args[..], &speeds, &["-o", "band.svg"]].concat(), 0);
+        (fs::read_to_string(dir.path().join("band.svg")).expect("a plot"), message)
+    };
+    let (plain, message) = plot("efficiency,band_efficiency_low");
+    assert!(message.contains("shows only efficiency, the first"), "{message}");
+    assert!(!plain.contains("90 % interval"), "{plain}");
+    let (band, message) = plot("efficiency,band_efficiency_low,band_efficiency_high");
+    assert!(!message.contains("shows only"), "{message}");
+    assert_eq!(band.matches("90 % interval").count(), 1, "{band}");
+    // The dotted lines are both ends of two curves and the sample in the legend.
+    let dotted = |svg: &str| svg.matches("stroke-dasharray").count();
+    assert_eq!(dotted(&band) - dotted(&plain), 5, "{band}");
 }

@@ -209,10 +209,10 @@ impl AxisState<'_> {
     }
 
     /// Returns the continuous torque that the motor curve permits at the mean speed of the motor
-    /// \[N·m\].
+    /// \[N·m\], or `None` if the curve does not state it.
     pub(super) fn continuous_torque(&self) -> Option<f64> {
         let speed = self.axis().mean_speed() * self.machine.drive.gear_ratio;
-        Some(self.machine.motor_curve.as_ref()?.at(speed)?.continuous)
+        self.machine.motor_curve.as_ref()?.at(speed)?.continuous
     }
 
     /// Returns the regenerative power that the motor feeds back to the drive \[W\].

@@ -115,10 +115,18 @@ impl AxisState<'_> {
     pub(super) fn warnings(&self) -> Vec<Warning> {
         let rises = [self.steady_rise(), self.node_rise(0), self.node_rise(1)];
         let rise = rises.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max);
+        let held = self.case.lubricant_temperature_C.filter(|_| self.warm.is_none());
+        let held = held.map_or_else(String::new, |celsius| {
+            format!(
+                " The friction that causes this rise is calculated with the lubricant at lubricant_temperature_C = {}, \
+                 not at the temperature of the warm nut.",
+                format_trimmed(celsius)
+            )
+        });
         let hot = (rise > HIGH_RISE_K).then(|| {
             format!(
                 "The steady-state temperature rise of {rise:.0} K exceeds {HIGH_RISE_K:.0} K, which \
-                 damages the grease and changes the preload. Cool the nut or the screw."
+                 damages the grease and changes the preload. Cool the nut or the screw.{held}"
             )
         });
         let grade = self.grade().filter(|grade| !make(self.case).is_offered_in(grade));

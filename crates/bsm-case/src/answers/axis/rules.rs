@@ -110,6 +110,13 @@ impl RuleInputs<'_> {
         self.case.entries.motor_curve.as_ref().map(|_| 1.0)
     }
 
+    /// Returns the largest permitted ratio of the RMS torque to the continuous torque if every row
+    /// of the torque-speed curve states the continuous torque, and `None` otherwise.
+    fn continuous_utilization_limit(&self) -> Option<f64> {
+        let rows = self.case.entries.motor_curve.as_ref()?;
+        rows.iter().all(|row| row.continuous_torque_Nm.is_some()).then_some(1.0)
+    }
+
     /// Returns true if the screw moves at a known speed. Otherwise, life is not checked.
     fn moves(&self) -> bool {
         self.case.has_speed() && self.axis.fastest() > 0.0
@@ -484,8 +491,8 @@ rules! {
         "motor_curve: torque at both ends of each phase / peak torque at the same speed",
         of.remedies_of_peak(of.motor_peaks[1].as_ref(), margin);
     "continuous torque on the torque-speed curve of the motor" rms_torque_utilization
-        = of.required_if(output!(rms_torque_utilization), of.utilization_limit()),
-        at_most of.utilization_limit(),
+        = of.required_if(output!(rms_torque_utilization), of.continuous_utilization_limit()),
+        at_most of.continuous_utilization_limit(),
         "motor_curve: RMS torque over the cycle / continuous torque at the mean speed",
         of.remedies_of_rms(margin);
     "power of the motor" peak_motor_power_W
