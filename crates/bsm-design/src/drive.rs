@@ -4,7 +4,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use crate::motion::PhasePoint;
+use crate::phase_point::PhasePoint;
 use crate::screw::STEEL;
 
 /// Standard acceleration of gravity \[m/s²\].

@@ -7,6 +7,7 @@
 //!
 //! Theory: `docs/theory/21-groove-from-ratings.md`, equations (AB1) to (AB13).
 
+mod catalog_line;
 mod prior;
 
 use std::f64::consts::{FRAC_PI_4, SQRT_2};
@@ -15,12 +16,14 @@ use std::sync::LazyLock;
 use bsm_dyn::{Conformities, Material, Materials};
 use rayon::prelude::*;
 
+use self::catalog_line::PER_M;
 use self::prior::{RatingFit, unprinted};
 use crate::Nut;
 use crate::drive::GRAVITY;
 use crate::nut::turn_length;
 use crate::statistics::{ln_sum, normal_quantile};
 
+pub use self::catalog_line::CatalogLine;
 pub use self::prior::{BallReturn, KnownGroove, Prior};
 
 /// Log evidence below which a catalog row is reported as unusual.
@@ -47,34 +50,6 @@ const CONTACT_ANGLE: f64 = FRAC_PI_4;
 
 /// Elastic constants of trial nuts. They do not influence the load ratings.
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
-
-/// Millimeters per meter. The prior uses lengths in mm.
-const PER_M: f64 = 1e3;
-
-/// One catalog row, which contains everything that is known about a screw and its nut.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CatalogLine {
-    /// Nominal diameter \[m\], positive.
-    pub nominal_diameter: f64,
-    /// Lead \[m\], positive.
-    pub lead: f64,
-    /// Dynamic axial load rating \[N\], positive.
-    pub dynamic_rating: f64,
-    /// Static axial load rating \[N\], positive.
-    pub static_rating: Option<f64>,
-    /// Ball diameter \[m\], positive.
-    pub ball_diameter: Option<f64>,
-    /// Pitch circle diameter \[m\], positive.
-    pub pitch_diameter: Option<f64>,
-    /// Core diameter of the screw \[m\], positive.
-    pub core: Option<f64>,
-    /// Total number of loaded turns of all circuits, positive.
-    pub turns: Option<f64>,
-    /// Conformities of nut and screw, above 1/2.
-    pub conformity: Conformities<Option<f64>>,
-    /// Contact angle \[rad\], in (0, π/2).
-    pub contact_angle: Option<f64>,
-}
 
 /// One combination of ball diameter, loaded turns and ball return.
 #[derive(Debug, Clone, Copy, PartialEq)]

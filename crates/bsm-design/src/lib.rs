@@ -46,6 +46,7 @@ mod make;
 mod modified;
 pub mod motion;
 mod nut;
+mod phase_point;
 mod preload;
 mod procedure;
 mod requirement;

@@ -28,7 +28,7 @@ pub enum Make {
 
 /// Finest grade in which manufacturers offer rolled screws, as the number in the name of the grade.
 ///
-/// Source: HIWIN BS-08-2, chapter 4 (T5, T7 and T10); THK general catalog (C7, C8 and C10).
+/// This is common practice: HIWIN offers rolled screws in T5, T7 and T10, and THK in C7, C8 and C10.
 const FINEST_ROLLED_GRADE: f64 = 5.0;
 
 impl Make {

@@ -25,7 +25,7 @@
 //! assert_eq!(to_nut.precession, -to_screw.precession);
 //!
 //! // Speed of the ball center along the helix, relative to the nut [m/s].
-//! let speed = to_nut.precession * helix.arc_length_per_radian();
+//! let speed: f64 = to_nut.precession * helix.arc_length_per_radian();
 //! assert!((speed - 1.0493).abs() < 1e-4);
 //! ```
 

@@ -401,7 +401,7 @@ fn program_does_not_panic_if_memory_is_low() {
         ["sweep", &drive, "--vary=axial_load_N=100:9000:60000", "--model=rigid", "-o", "x.csv"];
     let mut codes = Vec::new();
     let mapped = program_size_in_kb();
-    for kilobytes in [1, 20, 30, 40, 60, 90, mapped / 1000 + 96].map(|n| 1000 * n) {
+    for kilobytes in [1, 20, 30, 40, 60, 90, mapped / 1000 + 160].map(|n| 1000 * n) {
         let Some(output) = run_with_limits(&format!("ulimit -v {kilobytes}"), &sweep, dir.path())
         else {
             return;

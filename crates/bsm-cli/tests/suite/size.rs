@@ -375,16 +375,19 @@ fn violated_rule_is_met_after_any_suggested_remedy_is_applied() {
     let rule = rules.iter().find(|rule| rule["name"] == "critical_speed_ratio").expect("a rule");
     assert_eq!(rule["passes"], false);
     let remedy = rule["remedy"].as_str().expect("a remedy");
-    let length: f64 = remedy
+    assert!(remedy.starts_with("stroke_mm of at most"), "{remedy}");
+    let stroke: f64 = remedy
         .split_whitespace()
         .find_map(|word| word.trim_end_matches(',').parse().ok())
         .unwrap_or_else(|| panic!("{remedy}"));
     for (change, passes) in [(-1.0, true), (1.0, false)] {
-        let length = format!("unsupported_length_mm={}", length + change);
-        let (_, changed) = sheet(&[&length, "shaft_diameter_mm=30"]);
+        // The length between the bearings is the length of the thread, which follows from the
+        // stroke.
+        let stroke = format!("stroke_mm={}", stroke + change);
+        let (_, changed) = sheet(&[&stroke, "shaft_diameter_mm=30"]);
         let rules = changed["rules"].as_array().expect("rules");
         let rule = rules.iter().find(|rule| rule["name"] == "critical_speed_ratio");
-        assert_eq!(rule.expect("a rule")["passes"], passes, "{length}");
+        assert_eq!(rule.expect("a rule")["passes"], passes, "{stroke}");
     }
 }
 

@@ -450,7 +450,7 @@ fn error_for_semicolon_separated_file_suggests_the_delimiter() {
     let dialect = ["--delimiter", "semicolon", "--decimal", "comma"];
     let list = ["select", "--from", "nuts.csv"];
     let (screen, _) = run(dir.path(), &[&list[..], &dialect].concat(), 0);
-    assert!(screen.contains("have no other effect: Preis"), "{screen}");
+    assert!(screen.contains("have no effect on the calculation: Preis"), "{screen}");
     let misspelled = "nut;lead_mmm\na;5,0\n";
     fs::write(at("nuts.csv"), misspelled).expect("a table");
     let (_, message) = run(dir.path(), &[&list[..], &dialect].concat(), 2);

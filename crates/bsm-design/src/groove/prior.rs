@@ -7,7 +7,7 @@
 //! All lengths are in mm as in the catalogs, so the evidence is calculated from probability
 //! densities per millimeter.
 
-use super::{CatalogLine, PER_M};
+use super::catalog_line::{CatalogLine, PER_M};
 use crate::statistics::{Normal, ln_mixture};
 
 /// Parameters of the prior distribution that are fitted to catalog rows. All other parameters in
