@@ -350,7 +350,7 @@ pub fn unit_of(field: &Field) -> &str {
     field.metadata().get(UNIT).map_or("", String::as_str)
 }
 
-/// Returns the Arrow field of a numeric column, whose metadata contain the unit.
+/// Returns the Arrow field of a numeric column, with the unit in the metadata of the field.
 pub(crate) fn field(name: &str, unit: &str) -> Field {
     let unit = HashMap::from([(UNIT.to_owned(), unit.to_owned())]);
     Field::new(name, DataType::Float64, true).with_metadata(unit)

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use bsm_design::drive::MachineTable;
 use bsm_design::life::{RatingFactors, RequiredLife};
-use bsm_design::motion::{DutySpeed, PhasePoint, ProfileSegment};
+use bsm_design::motion::{DutySpeed, ProfileSegment};
 use bsm_design::shaft::{BUCKLING_SAFETY, Bore, CRITICAL_SPEED_RATIO, EndFixity};
 use bsm_design::{
     ActiveLimit, BindingLimit, Bounds, Design, DesignQuantity, FixedValues, Infeasibility,

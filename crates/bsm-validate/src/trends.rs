@@ -155,7 +155,7 @@ pub(crate) struct LabeledStudy {
     /// Label to which the column `study` of a trend table refers. Several studies may have the same
     /// label.
     pub label: &'static str,
-    /// Text that distinguishes studies with the same label, with a leading space.
+    /// Text that distinguishes studies with the same label. It starts with a space.
     pub setting: &'static str,
     /// Calculated curves.
     pub study: Study,

@@ -121,7 +121,7 @@ fn wrong_tokens_hosts_and_origins_are_refused() {
 }
 
 #[test]
-fn invalid_requests_return_the_messages_of_the_command_line() {
+fn invalid_requests_return_the_same_messages_as_the_command_line() {
     let served = TestServer::start(None);
     let mut bad = example_request();
     bad["case"]["ball_diameter_mm"] = json!(-3.5);

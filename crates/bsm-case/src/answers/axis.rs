@@ -336,7 +336,7 @@ const OF_SPEED_WITH_LUBRICANT: [OutputName; 8] = [
 fn is_known(case: &Case, quantity: &Quantity) -> bool {
     let is_in = |outputs: &[OutputName]| outputs.iter().any(|o| o.name() == quantity.name);
     let is_lubricated = case.lubricant_temperature_C.is_some();
-    case.has_speed() || !is_in(&OF_SPEED) && !(is_lubricated && is_in(&OF_SPEED_WITH_LUBRICANT))
+    case.has_speed() || !(is_in(&OF_SPEED) || is_lubricated && is_in(&OF_SPEED_WITH_LUBRICANT))
 }
 
 quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);

@@ -312,7 +312,7 @@ impl FittedInput {
 pub struct Measurement {
     /// Name of the output. The name may end with a unit other than the default unit.
     pub name: String,
-    /// Measured value, in the unit with which the name of the output ends.
+    /// Measured value, in the unit at the end of the output name.
     pub value: f64,
 }
 

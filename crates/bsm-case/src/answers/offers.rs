@@ -257,7 +257,7 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
     });
     let fails = first.verdict().min(second.verdict()) == Verdict::Fails;
     let notes = note.into_iter().collect();
-    Answer { fails, notes, ..Answer::default() }.with_members(OfferMembers {
+    Answer { notes, fails, ..Answer::default() }.with_members(OfferMembers {
         offers: Sentences("", offers),
         rules: Rows(rules.collect()),
         numbers: Rows(numbers.collect()),

@@ -107,16 +107,13 @@ pub(crate) fn read_sizes(table: &[u8], format: &TableFormat) -> Result<SizeTable
             ("ball_diameter_mm", size.ball > 0.0),
             ("turns", has_turns),
         ];
-        match needed.into_iter().find(|(_, given)| !given) {
-            Some((name, _)) => Err(CaseError::Invalid(format!("{name} is missing"))),
-            None => {
-                let of_turns = |(turns, starts): (f64, f64)| OfferedSize { turns, starts, ..size };
-                let sizes = all_turns.into_iter().map(of_turns);
-                let of_makes =
-                    |size| makes.iter().map(move |make| OfferedSize { make: *make, ..size });
-                Ok((sizes.flat_map(of_makes).collect::<Vec<_>>(), source))
-            }
+        if let Some((name, _)) = needed.into_iter().find(|(_, given)| !given) {
+            return Err(CaseError::Invalid(format!("{name} is missing")));
         }
+        let of_turns = |(turns, starts): (f64, f64)| OfferedSize { turns, starts, ..size };
+        let sizes = all_turns.into_iter().map(of_turns);
+        let of_makes = |size| makes.iter().map(move |make| OfferedSize { make: *make, ..size });
+        Ok((sizes.flat_map(of_makes).collect::<Vec<_>>(), source))
     })?;
     let (sizes, sources): (Vec<_>, _) = rows.into_iter().unzip();
     Ok(SizeTable { sizes: sizes.concat(), sources })

@@ -427,7 +427,7 @@ SFU02505,25,5,3.175,4,1724,4904";
 /// and safety follow from the ratings and have no intervals. In the table, each column with an
 /// interval is followed by the columns for the two ends of the interval.
 #[test]
-fn table_columns_that_depend_on_an_estimated_groove_have_columns_for_the_interval_ends() {
+fn numbers_that_depend_on_an_estimated_groove_have_columns_for_the_interval_ends() {
     let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
 line,40,20,,,,51300,144400
 given,15,10,3.175,3,12.32,9600,19300";

@@ -396,7 +396,7 @@ fn selected_screw_meets_the_input_power_limit() {
 /// A level axis without friction and process force carries no load. Life and safety factors are then
 /// unlimited, so they are not limits, and no text contains NaN.
 #[test]
-fn screw_without_load_is_selected_without_limits_of_life_and_safety() {
+fn unloaded_screw_is_selected_because_no_limit_of_life_or_safety_applies() {
     let catalog = Catalog::manufacturers().expect("compiled in");
     let json = br#"{"moved_mass_kg":35,"feed_m_min":6,"axial_load_N":0,"stroke_mm":400,"required_life_h":10000}"#;
     let requirement =

@@ -424,7 +424,7 @@ fn design_selects_a_standard_size() {
 /// Checks that the rules in a design report agree with the axis sheet of its screw, and that all
 /// rules are met.
 ///
-/// * `model`: model of the requirement, which determines the efficiency.
+/// * `model`: model with which the efficiency is calculated.
 fn assert_agrees_with_sheet(report: &DesignReport, model: Model, what: &str) {
     let sheet = AxisReport::of(&report.case, &model.into()).expect("an axis");
     assert!(sheet.passes(), "{what}: {:?}", sheet.answer.rules);

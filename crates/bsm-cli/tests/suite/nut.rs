@@ -291,7 +291,7 @@ fn option_set_accepts_text_values() {
 /// For a preloaded nut, the three stiffness values must match their definitions, the preload that
 /// remains at the limit load must be zero, and a note must explain the torque.
 #[test]
-fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
+fn sheet_of_a_preloaded_pair_states_stiffness_and_limit_load_and_drag() {
     let dir = folder();
     let case = example("nut_double.json");
     let output = bsm(dir.path(), &["nut", &case, "--json"], "");

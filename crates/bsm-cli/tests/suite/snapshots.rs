@@ -28,7 +28,7 @@ fn screen_of(args: &[&str]) -> String {
     stderr(&output) + &stdout(&output)
 }
 
-/// Runs a command in the folder of the examples.
+/// Runs a command in the examples folder.
 fn run(args: &[&str]) -> Output {
     bsm(&root().join("examples"), args, "")
 }

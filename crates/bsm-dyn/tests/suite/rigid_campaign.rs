@@ -100,7 +100,7 @@ fn solve_random_screws(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) 
 
 /// All points have the pitch circle of Lin's screw.
 #[test]
-fn screws_with_the_pitch_circle_of_lin_converge_or_have_no_solution() {
+fn screws_with_the_pitch_circle_from_the_paper_by_lin_converge_or_have_no_solution() {
     let tally = solve_random_screws(10_000, 1994, |_| 24.3e-3);
     println!("{tally:#?}");
     assert_eq!(tally.not_converged, 0, "{tally:#?}");

@@ -440,7 +440,7 @@ impl HeatBalance<'_> {
         let jacobian = JacobianUpdate::EveryTrial { chord_below: f64::INFINITY };
         let control = StepControl {
             max_step,
-            // A continuation step must not be shorter than the step of finite differences.
+            // A continuation step must not be shorter than the finite-difference step.
             min_step: DIFFERENCE / TEMPERATURE_SCALE,
             root_tolerance: ROOT_TOLERANCE,
             residual_goal: RESIDUAL_TOLERANCE,

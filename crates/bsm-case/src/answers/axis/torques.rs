@@ -94,8 +94,8 @@ pub(crate) struct Torques {
     pub(super) point: PhasePoint,
     pub(super) ideal: f64,
     pub(super) contacts: Contacts,
-    /// Friction torque of the ball returns and the lubricant due to the preload \[N·m\], which is
-    /// added to the contact friction.
+    /// Friction torque of the ball returns and the lubricant due to the preload \[N·m\]. It is
+    /// added to the friction torque of the contacts.
     drag: f64,
     seal: f64,
     bearing: f64,

@@ -41,7 +41,8 @@ impl FrictionSource {
                         the heat of a nut; give lubricant_temperature_C";
             return Err(invalid_input("heat_transfer_W_K", what));
         }
-        // The seal torque is not a loss of the balls. It is added to the torque of the nut later.
+        // The seal torque is not part of the ball friction. It is added to the torque of the nut
+        // later.
         lubricant.losses.seal_torque = 0.0;
         Ok(Some(Self::Lubricant(lubricant)))
     }
