@@ -3,7 +3,8 @@
 //!
 //! ISO 3408-5 calculates load ratings from the groove geometry. This module solves the inverse
 //! problem. It enumerates the combinations of balls, turns and ball returns that manufacturers use,
-//! and weights each combination by its [`prior`] and by how well its ratings match the catalog row.
+//! and weights each combination by its [prior probability](Prior) and by how well its ratings match
+//! the catalog row.
 //!
 //! Theory: `docs/theory/21-groove-from-ratings.md`, equations (AB1) to (AB13).
 
