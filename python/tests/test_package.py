@@ -827,8 +827,7 @@ def test_all_texts_of_a_saved_figure_lie_inside_the_requested_size(screw: bs.Cas
 
 
 def test_curve_plot_draws_an_error_or_the_ends_of_an_interval_as_a_band(screw: bs.Case) -> None:
-    columns = ["efficiency", "ball_torque_Nm"]
-    grid = bs.sweep(screw, vary={"axial_load_N": [2e3, 4e3]}, columns=columns)
+    grid = bs.sweep(screw, vary={"axial_load_N": [2e3, 4e3]}, columns=["efficiency", "ball_torque_Nm"])
     value, torque = grid["efficiency"], grid["ball_torque_Nm"]
     symmetric = bs.plot.curves(grid, "axial_load_N", "efficiency", error="ball_torque_Nm")
     interval = bs.plot.curves(grid, "axial_load_N", "efficiency", error=("efficiency", "ball_torque_Nm"))
