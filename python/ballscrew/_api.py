@@ -2292,7 +2292,8 @@ def select_nuts(
     lists : mapping or "manufacturers" or "standard", optional
         Sizes to list. Defaults to the sizes of manufacturers.
     where : sequence of str
-        Conditions such as `"dynamic_load_rating_N>=40000"`.
+        Conditions such as `"dynamic_load_rating_N>=40000"` or `"make=rolled"`. The columns of texts can occur in
+        conditions, but the result contains only the columns of numbers.
     requirement : mapping or path, optional
         Requirement as for `select`. The list then contains only nuts that meet all limits of the requirement. Results
         of `axis` become columns for filtering and sorting: life, critical speed, buckling, static safety, stiffness,
