@@ -39,7 +39,9 @@ export function showModels(host, answer, solved) {
   const ends = answer.groove_estimate?.intervals?.models ?? [];
   const rows = answer.models.map((model, place) => {
     const cells =
-      model.status === "converged" ? cellsOf(model, ends[place], answer.reference_model) : failure(model, heads.length - 1);
+      model.status === "converged"
+        ? cellsOf(model, ends[place], answer.reference_model)
+        : failure(model, heads.length - 1);
     const isHere = model.model === solved?.model;
     return html("tr", { class: isHere ? "here" : null }, html("th", { scope: "row" }, model.model), cells);
   });
