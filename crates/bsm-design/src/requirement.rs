@@ -339,7 +339,8 @@ impl Requirement {
     /// the spacing is the land between neighboring grooves.
     pub const BALL_OVER_LEAD: f64 = 0.8;
 
-    /// Returns the make of a screw.
+    /// Returns the required make of a screw or, if none is required, the make in the list of sizes.
+    /// Without either, the screw is ground.
     ///
     /// * `size`: size of the screw in a list of sizes; `None` for continuous sizes.
     fn make_of(&self, size: Option<&Size>) -> Make {

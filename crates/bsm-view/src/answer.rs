@@ -22,9 +22,6 @@ use crate::form::schema;
 /// Maximum number of points of a map.
 const MAX_POINTS: usize = 40_000;
 
-/// Names of the contacts of a ball, in the order of the values of a quantity.
-const CONTACTS: [&str; 3] = ["nut", "screw", "far flank"];
-
 /// The reason why a request is refused.
 #[derive(Debug, Error)]
 pub enum Refusal {
@@ -218,7 +215,9 @@ fn solved(Request { case, settings, options }: &Request, parts: bool) -> Result<
             let value = row.values[place]?;
             let text = format_number(value) + &format_interval(row.bands[place]);
             let label = match row.quantity.scope {
-                Scope::Contacts => format!("{}, {}", row.quantity.about, CONTACTS[place]),
+                scope @ Scope::Contacts => {
+                    format!("{}, {}", row.quantity.about, scope.members()[place])
+                }
                 _ => row.quantity.about.trim_start().to_owned(),
             };
             let key = json!({ "value": value, "unit": row.unit, "label": label, "text": text });

@@ -138,6 +138,19 @@ impl Output {
         self.analysis().is_none_or(AnalysisKind::needs_solution)
     }
 
+    /// Returns the names of the missing inputs that the analysis and the output need. The result is
+    /// empty for an output of a solution.
+    ///
+    /// * `base`: case that supplies all inputs that do not vary between the points.
+    pub(crate) fn missing(&self, base: &Case, given: InputSet) -> Vec<String> {
+        let Some(kind) = self.analysis() else { return Vec::new() };
+        let name = self.interval().map_or(self.name, |(of, _)| of.name);
+        let own = |quantity: &&Quantity| quantity.columns.iter().any(|c| c.name == name);
+        let quantity = kind.quantities().iter().find(own);
+        let of_quantity = quantity.map(|quantity| quantity.missing(given)).unwrap_or_default();
+        kind.missing(base, given).into_iter().chain(of_quantity).collect()
+    }
+
     /// Checks that the output can be calculated for points with the given inputs.
     ///
     /// * `base`: case that supplies all inputs that do not vary between the points.
@@ -149,16 +162,12 @@ impl Output {
     /// inputs are missing.
     pub fn check(&self, base: &Case, given: InputSet, model: ModelChoice) -> Result<(), CaseError> {
         let Some(kind) = self.analysis() else { return Ok(()) };
-        let mut missing = kind.missing(base, given);
         if let (true, ModelChoice::Fixed(model @ (Model::ClosedForm | Model::QuasiStatic))) =
             (kind.needs_motion(), model)
         {
-            return Err(CaseError::no_motion(model, &missing));
+            return Err(CaseError::no_motion(model, &kind.missing(base, given)));
         }
-        let name = self.interval().map_or(self.name, |(of, _)| of.name);
-        let own = |quantity: &&Quantity| quantity.columns.iter().any(|c| c.name == name);
-        let own = kind.quantities().iter().find(own);
-        missing.extend(own.map(|quantity| quantity.missing(given)).unwrap_or_default());
+        let missing = self.missing(base, given);
         if missing.is_empty() {
             return Ok(());
         }

@@ -13,7 +13,7 @@ use crate::answers::schema::RecordJson;
 use crate::case::problem::has_lubricant;
 use crate::vocabulary::error::{NO_LUBRICANT, list};
 use crate::vocabulary::members::{Data, Label, Rows, Sentences, TableRow, answer, row};
-use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, Record};
+use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, Record, output};
 
 /// Number of timed solver runs per model. The shortest time is reported.
 const REPEATS: usize = 20;
@@ -154,9 +154,8 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
     });
     let reference = reference_of(&answers);
     let row = |(record, time): &(Record, f64)| {
-        let cells = record.to_json();
         let [efficiency_deviation, loss_deviation] =
-            reference.as_ref().map_or([None; 2], |reference| reference.deviations(&cells));
+            reference.as_ref().map_or([None; 2], |reference| reference.deviations(record));
         let is_reference = reference.as_ref().is_some_and(|it| it.model == record.model().name());
         let shown = |deviation: Option<f64>, text: fn(f64) -> String| match deviation {
             Some(_) if is_reference => "reference".to_owned(),
@@ -166,7 +165,7 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
         ModelRow {
             shown_efficiency_deviation: shown(efficiency_deviation, |it| format!("{it:+.5}")),
             shown_loss_deviation: shown(loss_deviation, |it| format!("{:+.2}", 100.0 * it)),
-            record: RecordCells(cells),
+            record: RecordCells(record.to_json()),
             efficiency_deviation,
             loss_deviation,
             time_us: *time,
@@ -214,8 +213,8 @@ struct Reference {
 impl Reference {
     /// Returns the deviations of a solution from the reference: the difference of the efficiencies,
     /// and the relative difference of the losses.
-    fn deviations(&self, cells: &Map<String, Value>) -> [Option<f64>; 2] {
-        let Some(efficiency) = cells["efficiency"].as_f64() else { return [None; 2] };
+    fn deviations(&self, record: &Record) -> [Option<f64>; 2] {
+        let Some(efficiency) = record.number(output!(efficiency)) else { return [None; 2] };
         let loss = 1.0 - self.efficiency;
         let relative = (loss > 0.0).then(|| (1.0 - efficiency) / loss - 1.0);
         [Some(efficiency - self.efficiency), relative]
@@ -226,7 +225,7 @@ impl Reference {
 /// the most inputs.
 fn reference_of(answers: &[(Record, f64)]) -> Option<Reference> {
     let reference = |(record, _): &(Record, f64)| {
-        let efficiency = record.to_json()["efficiency"].as_f64()?;
+        let efficiency = record.number(output!(efficiency))?;
         Some(Reference { model: record.model().name(), efficiency })
     };
     let is_traction = |(record, _): &&(Record, f64)| record.model() == Model::Traction.into();

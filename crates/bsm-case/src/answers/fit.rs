@@ -165,7 +165,7 @@ pub struct Fit {
     /// Name of the input as shown in sentences, with the displayed unit as a suffix.
     shown_name: String,
     shown_unit: DisplayUnit,
-    range: (f64, f64),
+    range: Range,
     target: Target,
 }
 
@@ -382,7 +382,7 @@ impl Fit {
     }
 
     fn with(case: &Case, input: &FittedInput, target: Target) -> Result<Self, CaseError> {
-        let (key, range) = input.key_and_range(case, SINGLE_VALUE_RANGE)?;
+        let (key, (low, high)) = input.key_and_range(case, SINGLE_VALUE_RANGE)?;
         // Sentences keep the unit of the given name. Otherwise, they have the displayed units.
         let names = INPUTS.iter().map(|input| input.name);
         let (shown_name, shown_unit) = match in_unit(&input.name, names) {
@@ -392,7 +392,7 @@ impl Fit {
                 (unit.name(key.name()), unit)
             }
         };
-        Ok(Self { input: key, shown_name, shown_unit, range, target })
+        Ok(Self { input: key, shown_name, shown_unit, range: Range { low, high }, target })
     }
 
     /// Returns the name of the input and a value, both in the displayed unit.
@@ -465,7 +465,7 @@ impl Fit {
         report: &FitReport,
     ) -> Result<Vec<String>, CaseError> {
         if report.reachable.is_none() {
-            let missing = self.missing_inputs(&self.at(case, self.range.1)?);
+            let missing = self.missing_inputs(&self.at(case, self.range.high)?);
             let note = || format!("Missing inputs: {}.", missing.join(", "));
             return Ok((!missing.is_empty()).then(note).into_iter().collect());
         }
@@ -492,15 +492,7 @@ impl Fit {
         match &self.target {
             Target::Limit { rule } => missing_for_rule(case, rule),
             Target::Measured { output, .. } => {
-                let given = case.given().union(rated_nut::given(case));
-                let own = |quantity: &&Quantity| {
-                    quantity.columns.iter().any(|column| column.name == output.name)
-                };
-                let kind = output.analysis();
-                let mut missing = kind.map_or_else(Vec::new, |kind| kind.missing(case, given));
-                let quantity = kind.and_then(|kind| kind.quantities().iter().find(own));
-                missing.extend(quantity.map(|own| own.missing(given)).unwrap_or_default());
-                missing
+                output.missing(case, case.given().union(rated_nut::given(case)))
             }
         }
     }
@@ -532,7 +524,7 @@ impl Fit {
         const STEP: f64 = 1e-6;
         /// Maximum number of iterations.
         const MAX_STEPS: usize = 20;
-        let (low, high) = self.range;
+        let Range { low, high } = self.range;
         let case = &self.at(case, best.value).ok()?;
         let settings = &self.exact_settings(case, settings).ok()?;
         let work = &mut ModelWorkspace::default();
@@ -580,7 +572,7 @@ impl Fit {
     /// Finds the values of the input that satisfy the condition, for a case with a single groove.
     fn search(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut case = case.clone();
-        case.set(self.input.name(), self.range.0)?;
+        case.set(self.input.name(), self.range.low)?;
         let settings = &self.exact_settings(&case, settings)?;
         let work = RefCell::new(ModelWorkspace::default());
         let first_error = RefCell::new(None);
@@ -595,7 +587,7 @@ impl Fit {
                 })
                 .unwrap_or(f64::NAN))
         };
-        let run = sign_changes(excess, Range { low: self.range.0, high: self.range.1 })?;
+        let run = sign_changes(excess, self.range)?;
         if let (None, Some(error)) = (run.values, first_error.take()) {
             return Err(error);
         }
@@ -629,7 +621,7 @@ impl Fit {
         jumps: &[f64],
         excess: impl Fn(f64) -> Result<f64, CaseError>,
     ) -> Result<Vec<(f64, f64)>, CaseError> {
-        let (low, high) = self.range;
+        let Range { low, high } = self.range;
         let mut ends: Vec<_> = [low, high].into_iter().chain(jumps.iter().copied()).collect();
         ends.extend(roots.iter().map(|root| root.at));
         ends.sort_by(f64::total_cmp);
@@ -682,7 +674,7 @@ impl Fit {
             Target::Limit { rule } => rule,
         };
         let [low, high] =
-            [self.range.0, self.range.1].map(|end| format_trimmed(self.shown_unit.value(end)));
+            [self.range.low, self.range.high].map(|end| format_trimmed(self.shown_unit.value(end)));
         let part = if report.solved < 1.0 {
             let percent = 100.0 * report.solved;
             format!("; it can be calculated in {percent:.0} % of this range")

@@ -55,53 +55,53 @@ pub struct ManufacturerNut {
     /// Case of the nut, with the ratings stated by the manufacturer.
     pub case: Case,
     /// Cells of the columns that the program does not know, such as the price.
-    pub own: Vec<OwnCell>,
+    pub extra: Vec<ExtraCell>,
 }
 
 /// Cell of a column that the program does not know.
 #[derive(Debug, Clone, PartialEq)]
-pub struct OwnCell {
+pub struct ExtraCell {
     /// Name of the column.
     pub name: String,
     /// Value in the cell.
-    pub value: OwnValue,
+    pub value: ExtraValue,
 }
 
 /// Value in a column that the program does not know; `None` if the cell is empty.
 #[derive(Debug, Clone, PartialEq)]
-pub enum OwnValue {
+pub enum ExtraValue {
     /// Number in a column that contains only numbers.
     Number(Option<f64>),
     /// Text in a column in which at least one cell contains text.
     Text(Option<String>),
 }
 
-impl OwnCell {
+impl ExtraCell {
     /// Returns the number in the cell, or `None` if the cell is empty or contains text.
     fn number(&self) -> Option<f64> {
         match self.value {
-            OwnValue::Number(number) => number,
-            OwnValue::Text(_) => None,
+            ExtraValue::Number(number) => number,
+            ExtraValue::Text(_) => None,
         }
     }
 
     /// Returns the text in the cell, or `None` if the cell is empty or contains a number.
     fn text(&self) -> Option<&str> {
         match &self.value {
-            OwnValue::Number(_) => None,
-            OwnValue::Text(text) => text.as_deref(),
+            ExtraValue::Number(_) => None,
+            ExtraValue::Text(text) => text.as_deref(),
         }
     }
 
     /// Returns true if the column contains only numbers.
     pub(crate) fn is_numeric(&self) -> bool {
-        matches!(self.value, OwnValue::Number(_))
+        matches!(self.value, ExtraValue::Number(_))
     }
 
     fn json(&self) -> Value {
         match &self.value {
-            OwnValue::Number(number) => json!(number),
-            OwnValue::Text(text) => json!(text),
+            ExtraValue::Number(number) => json!(number),
+            ExtraValue::Text(text) => json!(text),
         }
     }
 }
@@ -125,7 +125,7 @@ impl ManufacturerNut {
         })?;
         let nuts = cells.each(&columns, |place, row| {
             let (name, case) = (format!("row {place}"), Case::default());
-            let mut nut = Self { name, case, own: Vec::new() };
+            let mut nut = Self { name, case, extra: Vec::new() };
             let (mut circuits, mut core, mut stiffness) = (None, None, None);
             for ((word, change), text) in row {
                 if word == "nut" {
@@ -152,19 +152,19 @@ impl ManufacturerNut {
             complete(&mut nut.case, circuits, core)?;
             Ok(nut)
         })?;
-        let own = |place: usize| {
+        let extra = |place: usize| {
             kept.iter().map(move |(name, cells)| {
                 let value = match cells {
                     ColumnValues::Numbers(numbers) => {
-                        OwnValue::Number(Some(numbers[place]).filter(|number| !number.is_nan()))
+                        ExtraValue::Number(Some(numbers[place]).filter(|number| !number.is_nan()))
                     }
-                    ColumnValues::Texts(texts) => OwnValue::Text(texts[place].clone()),
+                    ColumnValues::Texts(texts) => ExtraValue::Text(texts[place].clone()),
                 };
-                OwnCell { name: name.clone(), value }
+                ExtraCell { name: name.clone(), value }
             })
         };
         let nuts = nuts.into_iter().enumerate();
-        Ok(nuts.map(|(place, nut)| Self { own: own(place).collect(), ..nut }).collect())
+        Ok(nuts.map(|(place, nut)| Self { extra: extra(place).collect(), ..nut }).collect())
     }
 
     /// Returns the case of a requirement with the inputs of this nut.
@@ -322,7 +322,7 @@ pub struct ManufacturerRow {
     /// possible grooves.
     pub notes: Vec<String>,
     /// Cells of the columns that the program does not know, such as the price.
-    pub own: Vec<OwnCell>,
+    pub extra: Vec<ExtraCell>,
 }
 
 /// Ratio of ball diameter to lead above which the ball does not fit between adjacent turns.
@@ -431,7 +431,7 @@ impl ManufacturerRow {
             groove: if is_estimated { estimated_ball(&at) } else { none },
             contradiction,
             notes: of_ratings.cloned().collect(),
-            own: nut.own.clone(),
+            extra: nut.extra.clone(),
         };
         let Some(requirement) = requirement else { return Ok(row) };
         row.case = nut.within(requirement);
@@ -464,35 +464,35 @@ impl ManufacturerRow {
 
     /// Returns the value in the column with the given name.
     pub fn value(&self, name: OutputName) -> Option<f64> {
-        self.number(name)?.value
+        self.number(name.name())?.value
     }
 
     /// Returns the value of an input that occurs in the table.
     pub fn input(&self, key: InputKey) -> Option<f64> {
-        self.numbers.iter().find(|number| number.column.name == key.name())?.value
+        self.number(key.name())?.value
     }
 
     /// Returns the 90 % interval of the value in the column with the given name, or `None` if the
     /// value does not depend on an estimated groove.
     pub fn band(&self, name: OutputName) -> Option<Band> {
-        self.number(name)?.band
+        self.number(name.name())?.band
     }
 
     /// Works like [`ManufacturerRow::band`], for a column of the list. An unknown name has no
     /// interval.
     pub(crate) fn band_of_column(&self, name: &str) -> Option<Band> {
-        self.numbers.iter().find(|number| number.column.name == name)?.band
+        self.number(name)?.band
     }
 
-    fn number(&self, name: OutputName) -> Option<&ListNumber> {
-        self.numbers.iter().find(|number| number.column.name == name.name())
+    fn number(&self, name: &str) -> Option<&ListNumber> {
+        self.numbers.iter().find(|number| number.column.name == name)
     }
 
     /// Returns the number in the column with the given index; the columns that the program does not
     /// know follow after the columns that it knows.
     pub(crate) fn number_at(&self, place: usize) -> Option<f64> {
         match place.checked_sub(self.numbers.len()) {
-            Some(place) => self.own[place].number(),
+            Some(place) => self.extra[place].number(),
             None => self.numbers[place].value,
         }
     }
@@ -503,7 +503,7 @@ impl ManufacturerRow {
         match name {
             "nut" => Some(&self.name),
             "manufacturer" => self.case.entries.manufacturer.as_deref(),
-            own => self.own.iter().find(|cell| cell.name == own)?.text(),
+            own => self.extra.iter().find(|cell| cell.name == own)?.text(),
         }
     }
 
@@ -629,13 +629,13 @@ impl ManufacturerRow {
             Some(row.groove.clone().unwrap_or_else(|| "given".to_owned()))
         }));
         columns.push(text("contradiction", &|row| row.contradiction.clone()));
-        for (place, own) in first.own.iter().enumerate() {
-            columns.push(if own.is_numeric() {
-                let number = |row: &&Self| row.own[place].number().unwrap_or(f64::NAN);
+        for (place, cell) in first.extra.iter().enumerate() {
+            columns.push(if cell.is_numeric() {
+                let number = |row: &&Self| row.extra[place].number().unwrap_or(f64::NAN);
                 let numbers = rows.iter().map(number).collect();
-                (own.name.clone(), "", ColumnValues::Numbers(numbers))
+                (cell.name.clone(), "", ColumnValues::Numbers(numbers))
             } else {
-                text(&own.name, &|row| row.own[place].text().map(str::to_owned))
+                text(&cell.name, &|row| row.extra[place].text().map(str::to_owned))
             });
         }
         columns
@@ -673,32 +673,32 @@ impl ManufacturerRow {
         let of_grooves = [("groove", Some("groove")), ("intervals", None), ("notes", None)];
         let of_grooves = of_grooves.map(|(name, head)| Column::new(name, head));
         let of_grooves = of_grooves.into_iter().filter(|_| are_estimated);
-        let own_numbers: Vec<_> =
-            (0..first.own.len()).filter(|place| first.own[*place].is_numeric()).collect();
+        let extra_numbers: Vec<_> =
+            (0..first.extra.len()).filter(|place| first.extra[*place].is_numeric()).collect();
         // JSON contains these numbers in `texts`.
-        let of_own = own_numbers.iter().map(|place| Column {
-            head: Some(first.own[*place].name.clone().into()),
+        let of_extra = extra_numbers.iter().map(|place| Column {
+            head: Some(first.extra[*place].name.clone().into()),
             ..Column::new("", None)
         });
-        let texts = Some(Column::new("texts", None)).filter(|_| !first.own.is_empty());
+        let texts = Some(Column::new("texts", None)).filter(|_| !first.extra.is_empty());
         let row = |row: &&Self| {
             let numbers = row.numbers.iter().map(|number| json!(number.value));
             let of_groove = [json!(row.groove), row.intervals(), json!(row.notes)];
             let texts: Map<_, _> =
-                row.own.iter().map(|own| (own.name.clone(), own.json())).collect();
+                row.extra.iter().map(|cell| (cell.name.clone(), cell.json())).collect();
             std::iter::once(json!(row.name))
                 .chain(numbers)
                 .chain(row.verdict_cells().into_iter().flatten())
                 .chain(of_groove.into_iter().filter(|_| are_estimated))
-                .chain(own_numbers.iter().map(|place| json!(row.own[*place].number())))
-                .chain(Some(Value::Object(texts)).filter(|_| !first.own.is_empty()))
+                .chain(extra_numbers.iter().map(|place| json!(row.extra[*place].number())))
+                .chain(Some(Value::Object(texts)).filter(|_| !first.extra.is_empty()))
                 .collect()
         };
         let columns: Vec<_> = std::iter::once(Column::new("nut", Some("nut")))
             .chain(numbers)
             .chain(of_verdict)
             .chain(of_grooves)
-            .chain(of_own)
+            .chain(of_extra)
             .chain(texts)
             .collect();
         let bands = |row: &&Self| {
@@ -764,7 +764,7 @@ impl ManufacturerRow {
                 rows.len()
             )
         }));
-        let names: Vec<_> = first.own.iter().map(|own| own.name.as_str()).collect();
+        let names: Vec<_> = first.extra.iter().map(|cell| cell.name.as_str()).collect();
         notes.extend((!names.is_empty()).then(|| {
             format!("These columns have no effect on the calculation: {}.", names.join(", "))
         }));

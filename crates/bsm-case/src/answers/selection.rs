@@ -10,7 +10,7 @@ use bsm_design::statistics::Band;
 use bsm_dyn::Materials;
 use serde_json::{Map, Value, json};
 
-use super::manufacturers::{ListNumber, ManufacturerRow, OwnCell};
+use super::manufacturers::{ExtraCell, ListNumber, ManufacturerRow};
 use super::ratings::QUANTITIES as RATINGS;
 use crate::case::catalog_keys::LISTS;
 use crate::vocabulary::answer::numbers_json;
@@ -161,18 +161,18 @@ impl ListColumn {
             let is_shown = !output.is_input() && output.name != UNSUPPORTED_LENGTH;
             Self { is_shown, ..Self::of_output(place, output) }
         };
-        let own = |(place, own): (usize, &OwnCell)| Self {
+        let extra = |(place, cell): (usize, &ExtraCell)| Self {
             place: first.numbers.len() + place,
-            name: own.name.clone().into(),
+            name: cell.name.clone().into(),
             unit: "",
             about: "column of the table that has no effect on the calculation",
             is_of_sheet: false,
             is_shown: true,
-            is_text: !own.is_numeric(),
+            is_text: !cell.is_numeric(),
         };
         let numbers = first.numbers.iter().enumerate().map(column);
-        let own = first.own.iter().enumerate().map(own);
-        Self::with_texts(numbers.chain(own).collect(), &ROW_TEXTS)
+        let extra = first.extra.iter().enumerate().map(extra);
+        Self::with_texts(numbers.chain(extra).collect(), &ROW_TEXTS)
     }
 
     fn of_output(place: usize, output: &'static Output) -> Self {

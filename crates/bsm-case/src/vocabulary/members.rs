@@ -257,7 +257,7 @@ macro_rules! one_member {
 
 pub(crate) use one_member;
 
-/// A row of cells that contains the numbers of a table of quantities.
+/// Cells of a row that contain the numbers of a table of quantities.
 #[derive(Debug, Clone)]
 pub(crate) struct NumberCells<T>(Vec<Option<f64>>, PhantomData<T>);
 

@@ -111,11 +111,15 @@ impl AxisState<'_> {
 ///
 /// * `rule`: title of the rule.
 pub(crate) fn missing_for_rule(case: &Case, rule: &str) -> Vec<String> {
+    let results = RESULTS.iter().filter(|(label, ..)| label.starts_with(rule));
+    results.flat_map(|(.., needs)| missing(case, needs)).map(str::to_owned).collect()
+}
+
+/// Returns the required inputs that the case lacks.
+fn missing(case: &Case, needs: &[Need]) -> Vec<&'static str> {
     let has_groove = !case.lacks_groove() && !case.has_estimated_groove();
-    let needs = RESULTS.iter().filter(|(label, ..)| label.starts_with(rule));
-    let missing =
-        needs.flat_map(|(.., needs)| *needs).filter(|need| !need.is_met(case, has_groove));
-    missing.map(|need| need.inputs().to_owned()).collect()
+    let missing = needs.iter().filter(|need| !need.is_met(case, has_groove));
+    missing.map(|need| need.inputs()).collect()
 }
 
 /// Checks that at least one result can be calculated.
@@ -125,20 +129,16 @@ pub(crate) fn missing_for_rule(case: &Case, rule: &str) -> Vec<String> {
 /// be calculated. If several results need equally few inputs, the error names the inputs of all
 /// these results.
 pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
-    let has_groove = !case.lacks_groove() && !case.has_estimated_groove();
-    let missing = |needs: &[Need]| -> Vec<&'static str> {
-        let missing = needs.iter().filter(|need| !need.is_met(case, has_groove));
-        missing.map(|need| need.inputs()).collect()
-    };
     let has_result = |(_, number, needs): &(&str, OutputName, &[Need])| {
-        let is_sufficient = *number == TORQUE || missing(needs).is_empty();
+        let is_sufficient = *number == TORQUE || missing(case, needs).is_empty();
         is_sufficient && numbers.number(*number).is_some()
     };
     let is_known = |number: &OutputName| numbers.number(*number).is_some();
     if RESULTS.iter().any(has_result) || OTHER_RESULTS.iter().any(is_known) {
         return Ok(());
     }
-    let ways: Vec<_> = RESULTS.iter().map(|(label, _, needs)| (label, missing(needs))).collect();
+    let ways: Vec<_> =
+        RESULTS.iter().map(|(label, _, needs)| (label, missing(case, needs))).collect();
     let fewest = ways.iter().map(|(_, missing)| missing.len()).min().unwrap_or_default();
     let shortest = ways.iter().filter(|(_, missing)| missing.len() == fewest);
     let shortest: Vec<_> = shortest
